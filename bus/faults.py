@@ -1,0 +1,35 @@
+"""The closed vocabulary of disturbances. What is not in this table is refused, never ignored.
+
+Shared by scenario files (``[[fault]]``), the command line (``muster inject``) and the world, which carries
+out the physical ones itself and passes the others on to the supervisor or to a process's node.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+
+class FaultKind(NamedTuple):
+    """`on`: what the target names; `args`: optional and required arguments with their meaning."""
+
+    on: Literal["robot", "body", "object", "team", "process", "link"]
+    required: tuple[str, ...]
+    optional: tuple[str, ...]
+    help: str
+
+
+KINDS: dict[str, FaultKind] = {
+    "break": FaultKind("robot", (), (), "the robot achieves nothing from now on, unseen"),
+    "move": FaultKind(
+        "body", (), ("x", "y", "to"), "a person puts a robot on cell x, y or an object on line position to"
+    ),
+    "set": FaultKind("object", ("attribute", "value"), (), "a person changes a sensed property of an object"),
+    "order": FaultKind("team", ("add",), (), "so many more objects enter the team's line"),
+    "cancel": FaultKind("team", ("objects",), (), "the last so many objects leave the team's order"),
+    "kill": FaultKind("process", (), (), "SIGKILL; the supervisor restarts it"),
+    "pause": FaultKind("process", ("for_s",), (), "SIGSTOP, and SIGCONT after for_s simulated seconds"),
+    "restart": FaultKind("process", (), (), "SIGTERM; the supervisor restarts it"),
+    "drop": FaultKind("link", ("share",), (), "this share of the mail from one process (to another) is lost"),
+    "delay": FaultKind("link", ("share", "for_s"), (), "this share of the mail arrives for_s seconds late"),
+    "repeat": FaultKind("link", ("share",), (), "this share of the mail arrives twice"),
+}

@@ -1,0 +1,35 @@
+"""``muster list``: what can be run, and what is running."""
+
+from __future__ import annotations
+
+import argparse
+
+from ops.cases import shipped_cases
+from ops.commands.common import json_option, print_json
+from ops.places import shipped
+from ops.registry import listing
+from ops.tables import read
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    json_option(parser)
+
+
+def execute(args: argparse.Namespace) -> int:
+    scenarios = {name: str(read(path)[0].get("story", "")) for name, path in shipped().items()}
+    cases = {name: str(path) for name, path in shipped_cases().items()}
+    running = listing()
+    if args.json:
+        print_json({"scenarios": scenarios, "cases": cases, "running": running})
+        return 0
+    width = max(map(len, [*scenarios, *cases]), default=0)
+    print("scenarios (muster run NAME):")
+    for name, story in scenarios.items():
+        print(f"  {name:<{width}}  {story}")
+    print("diagnosis cases (muster diagnose NAME):")
+    for name in cases:
+        print(f"  {name}")
+    print("running now:" if running else "running now: nothing")
+    for one in running:
+        print(f"  {one.run}  {one.scenario}  {one.connect}  {one.home}")
+    return 0

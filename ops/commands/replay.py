@@ -1,0 +1,28 @@
+"""``muster replay``: the dashboard from a recording."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from ops.tables import InputError
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("recording", metavar="DIR", type=Path, help="a recording, of muster run --record DIR")
+    parser.add_argument("--speed", metavar="X", type=float, default=1.0, help="simulated per wall seconds (default 1)")
+
+
+def execute(args: argparse.Namespace) -> int:
+    if args.speed <= 0:
+        raise InputError(f"--speed {args.speed:g}: expected more than 0")
+    if not sys.stdout.isatty():
+        raise InputError("the dashboard needs a terminal")
+    from ops.replay import replay
+
+    try:
+        replay(args.recording, args.speed)
+    except FileNotFoundError as error:
+        raise InputError(str(error)) from error
+    return 0

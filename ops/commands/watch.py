@@ -1,0 +1,30 @@
+"""``muster watch``: the dashboard of a running system."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from bus.transport import TransportError
+from ops.commands.common import running_options
+from ops.registry import find
+from ops.tables import InputError
+
+EPILOG = "Any number may watch, from any machine that reaches the router: --connect tcp/HOST:PORT --run NAME."
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    running_options(parser)
+
+
+def execute(args: argparse.Namespace) -> int:
+    running = find(args.run, args.connect)
+    if not sys.stdout.isatty():
+        raise InputError("the dashboard needs a terminal; muster run --headless prints lines")
+    from ops.dashboard import watch
+
+    try:
+        watch(running.connect, running.run)
+    except TransportError as error:
+        raise InputError(str(error)) from error
+    return 0

@@ -1,0 +1,143 @@
+"""From a scenario to what each process is told: ``world.json``, ``coordinator.json``, ``T1.json`` ...
+
+The world gets the truth, faults included. The coordinator gets the teams' names, the transport's delay and perhaps a
+plan to begin with. A team gets its name and its domain's constants: where it stands it learns by observing.
+The agents define what their files look like (`agents.coordinator`, `agents.team`); a test reads these files with them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from bus.scene import Action, Entity, Kind, Scene, Workspace
+from ops.faultwords import Names, problem
+from ops.plans import GivenPlan
+from ops.scenario import Scenario
+from reasoning.domain import Domain, load
+from reasoning.setup import Refused, Setup, compile_setup
+
+DELAY = "delay"
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """Everything that the processes of a run are told, by process name."""
+
+    scenario: Scenario
+    setup: Setup
+    files: Mapping[str, msgspec.Struct | dict[str, Any]]
+
+    @property
+    def teams(self) -> tuple[str, ...]:
+        return self.scenario.teams
+
+    def write(self, folder: Path) -> None:
+        """Write NAME.json for each process that needs one."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in self.files.items():
+            (folder / f"{name}.json").write_bytes(msgspec.json.format(msgspec.json.encode(content), indent=1) + b"\n")
+
+
+def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compiled:
+    """What the processes are told. Raises `InputError` for a set-up or a fault that the domain does not allow."""
+    setup = start(scenario)
+    domain = load(scenario.domain)
+    scene = _scene(scenario, domain, setup)
+    _check_faults(scenario, scene)
+    limit = scenario.limits.conflicts or None
+    files: dict[str, msgspec.Struct | dict[str, Any]] = {
+        "world": scene,
+        "coordinator": {"teams": scenario.teams, "delay": setup.static.get(DELAY, 0), "plan": plan},
+    }
+    for team in scenario.teams:
+        files[team] = {"domain": scenario.domain, "team": team, "static": dict(setup.static), "conflicts": limit}
+    return Compiled(scenario, setup, files)
+
+
+def start(scenario: Scenario) -> Setup:
+    """The validated set-up. Raises `InputError` with the place of the first thing that is wrong, and the others."""
+    setup = compile_setup(scenario.domain, scenario.setup)
+    if isinstance(setup, Refused):
+        first, *others = setup.errors
+        more = "".join(f"\n  {wrong}" for wrong in others)
+        expected = f"expected {first.expected}" + (f", found {first.found}" if first.found else "")
+        raise scenario.complaint(re.findall(r"[^.\[\]]+", first.key), expected + more)
+    return setup
+
+
+def _scene(scenario: Scenario, domain: Domain, setup: Setup) -> Scene:
+    data = domain.data
+    kinds = {name: msgspec.convert(table, Kind) for name, table in data.kinds.items()}
+    display: dict[str, Any] = data.display
+    words = {str(a): {str(v): str(w) for v, w in values.items()} for a, values in display.get("values", {}).items()}
+    places = {str(place): str(word) for place, word in display.get("places", {}).items()}
+    return Scene(
+        domain=scenario.domain,
+        seed=scenario.seed,
+        period_s=data.time["period_s"],
+        dt_s=data.time["dt_s"],
+        frame_hz=scenario.record.frame_hz,
+        transport_delay_steps=int(setup.static.get(DELAY, 0)),
+        kinds=kinds,
+        actions={name: msgspec.convert(table, Action) for name, table in data.actions.items()},
+        workspaces=tuple(
+            msgspec.convert({"team": team, **floor}, Workspace) for team, floor in setup.workspaces.items()
+        ),
+        entities=tuple(_entity(team, name, kind, kinds[kind], setup) for team, name, kind in setup.entities),
+        faults=scenario.faults,
+        title=scenario.story,
+        display={**words, "places": places} if places else words,
+    )
+
+
+def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup) -> Entity:
+    """A body's start is what its team's sensed state says of it."""
+    state = setup.states[team]
+    sensed = (*known.attributes, *filter(None, [known.couples]))
+    return Entity(
+        id=f"{team}.{name}",
+        team=team,
+        name=name,
+        kind=kind,
+        place=state[f"{known.place}({name})"],
+        attributes={attribute: state[f"{attribute}({name})"] for attribute in sensed},
+    )
+
+
+def names(scene: Scene) -> Names:
+    """What a disturbance of this scene can be aimed at."""
+    robots = tuple(entity.id for entity in scene.entities if scene.kinds[entity.kind].role == "robot")
+    return Names(
+        teams=tuple(workspace.team for workspace in scene.workspaces),
+        robots=robots,
+        objects=tuple(entity.id for entity in scene.entities if entity.id not in robots),
+        processes=("world", "coordinator", *(workspace.team for workspace in scene.workspaces)),
+    )
+
+
+def _check_faults(scenario: Scenario, scene: Scene) -> None:
+    """Now that the bodies are known: does every fault have a target that exists and an attribute that is sensed?"""
+    known = names(scene)
+    growing = {fault.target for fault in scenario.faults if fault.kind == "order"}
+    for number, fault in enumerate(scenario.faults):
+        team = fault.target.partition(".")[0]
+        if team in growing and fault.target not in (*known.robots, *known.objects) and fault.kind in ("move", "set"):
+            continue  # it may name an object that is yet to come
+        at = ["fault", str(number)]
+        if wrong := problem(fault.kind, fault.target, fault.args, known):
+            raise scenario.complaint([*at, wrong[0]], wrong[1])
+        if fault.kind == "move" and (("to" in fault.args) != (fault.target in known.objects)):
+            raise scenario.complaint(
+                [*at, "target"], "a robot is moved to a cell x, y; an object to a line position to"
+            )
+        if fault.kind == "set":
+            kind = next(entity.kind for entity in scene.entities if entity.id == fault.target)
+            if fault.args["attribute"] not in scene.kinds[kind].attributes:
+                listed = ", ".join(scene.kinds[kind].attributes)
+                raise scenario.complaint([*at, "attribute"], f"expected a sensed attribute of a {kind}: {listed}")

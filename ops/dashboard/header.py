@@ -1,0 +1,95 @@
+"""The lines at the top and at the bottom of the screen: what is watched, how it stands, what the signs mean."""
+
+from __future__ import annotations
+
+from rich.text import Text
+
+from ops.dashboard import floor, words
+from ops.dashboard.model import Model
+from ops.dashboard.text import Block, clean, ends, fit, joined, line
+
+
+def header(model: Model, width: int, note: str = "") -> Block:
+    """Two lines: what is being watched and when; how the search for the shared plan stands, or the verdict."""
+    scene = model.scene
+    title = (scene.title or scene.domain) if scene else "waiting for a run"
+    left = joined((" muster ", "bold reverse"), " ", (model.run, "bold"), "  " if model.run else "", (title, "dim"))
+    last = max((s.start + len(s.plan) for s in model.statuses.values() if s.plan), default=0)
+    step = f"  step {model.step}" + (f"/{last}" if last >= model.step else "") if model.step >= 0 else ""
+    clock = f"{model.now_s:.1f} s{step}"
+    right = joined("  ", (note + "  " if note else "", "yellow"), (clock + " ", "bold"))
+    return [ends(width, left, right), fit(verdict(model) if model.over else search(model), width)]
+
+
+def verdict(model: Model) -> Text:
+    over = model.over or {}
+    good = bool(over.get("goal"))
+    head = (" GOAL REACHED " if good else " GOAL NOT REACHED ", "bold white on green" if good else "bold white on red")
+    facts = f" {over.get('makespan', '?')} steps, {over.get('replans', '?')} replans"
+    return joined(" ", head, facts, *(f" · {part}" for part in (over.get("reason"), *model.verdict) if part))
+
+
+def search(model: Model) -> Text:
+    status = model.coordinator
+    if status is None:
+        return joined((" no coordinator heard of yet", "dim"))
+    parts: list[tuple[str, str]] = [(" coordinator ", "dim"), (clean(status.doing) or "idle", "bold")]
+    least = max(status.bound, 0)
+    start = max((s.start for s in model.statuses.values() if s.plan), default=0)
+    since = f" from step {start} on" if start else ""
+    if 0 <= status.best <= least:
+        parts.append((f" · {status.best} steps{since}, proved shortest", "green"))
+    elif status.best >= 0:
+        parts.append((f" · {status.best} steps{since}, at least {least}, gap {status.best - least}", "yellow"))
+    elif status.bound >= 0:
+        parts.append((f" · at least {least} steps", ""))
+    if status.questions:
+        parts.append((f" · {status.questions} questions", ""))
+    return joined(*parts)
+
+
+def legend(model: Model, width: int, keys: str) -> Block:
+    """What the signs mean, in the scene's own words: one line if it is long enough, otherwise two."""
+    signs, letters = _signs(model), _letters(model)
+    right = joined((keys + " ", "dim"))
+    if letters.cell_len + right.cell_len + 2 > width:
+        letters = _letters(model, short=True)
+    if signs.cell_len + letters.cell_len + right.cell_len + 3 <= width:
+        return [ends(width, joined(" ", signs, "  ", letters), right)]
+    return [line(width, " ", signs), ends(width, joined(" ", letters), right)]
+
+
+def _signs(model: Model) -> Text:
+    scene = model.scene
+    if scene is None:
+        return Text("")
+    parts: list[Text | str | tuple[str, str]] = []
+    settling = next(iter(words.marks(scene)), "")
+    for name, kind in scene.kinds.items():
+        if kind.role == "object":
+            sign, meaning = (words.MARKED, f", {settling}") if settling else ("", "")
+            parts.append(f"[{kind.prefix}1{sign}] {name}{meaning} ")
+        else:
+            parts.append(f"{kind.prefix}1 {name} ")
+            if kind.couples:
+                parts.append(f"{kind.prefix}1= {kind.couples} ")
+    parts += [(words.BROKEN, "bold red"), " broken ", (words.SUSPECT, "bold yellow"), " suspected ",
+              (floor.SHADE, "dim"), " " + words.place(scene, "dock")]  # fmt: skip
+    return joined(*parts)
+
+
+def _letters(model: Model, short: bool = False) -> Text:
+    """The letters of values; a tool and what it makes share one where they share letter and colour. Short: only
+    what is made."""
+    scene = model.scene
+    shared: dict[tuple[str, str], list[str]] = {}
+    attributes = dict.fromkeys(words.shown(scene, kind) for kind in (scene.kinds if scene else {}))
+    for attribute in attributes if not short else [words.worked(scene)]:
+        for value in (scene.display if scene else {}).get(attribute, {}):
+            number = int(value) if value.lstrip("-").isdigit() else value
+            sign = words.letter(scene, attribute, number), words.colour(scene, attribute, number)
+            shared.setdefault(sign, []).append(words.word(scene, attribute, number))
+    parts: list[tuple[str, str]] = []
+    for (letter, style), meanings in sorted(shared.items(), key=lambda item: words.COLOURS.index(item[0][1])):
+        parts += [(letter, f"bold {style}"), (f" {'/'.join(meanings)} ", style)]
+    return joined(*parts)

@@ -1,0 +1,95 @@
+"""A team's panel: its floor, its plan around the current step, and how its process is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rich.text import Text
+
+from bus.messages import Status
+from ops.dashboard.floor import Floor, draw, progress
+from ops.dashboard.model import Model
+from ops.dashboard.text import Block, beside, boxed, joined, line, sized, wrapped
+
+SILENT_S = 3.0
+AWAY = {"lost_contact": ("○", "lost contact", "bold yellow"), "died": ("✗", "died", "bold red"),
+        "gave_up": ("✗", "given up", "bold red"), "stopped": ("○", "stopped", "dim")}  # fmt: skip
+
+
+def mark_of(model: Model, name: str) -> tuple[str, str, str]:
+    """Mark, state in words (empty if all is well) and style of a process."""
+    state = model.contact.get(name, "")
+    pulse = model.pulses.get(name)
+    if state in AWAY:
+        return AWAY[state]
+    if pulse is not None and pulse.heard_s is not None and model.clock_s is not None:
+        silence = model.clock_s - pulse.heard_s
+        if silence > SILENT_S:
+            return "○", f"silent for {silence:.0f} s", "yellow"
+    if pulse is None and name not in model.statuses:
+        return "○", "", "dim"
+    return "●", "", "green"
+
+
+class Style(NamedTuple):
+    """How a team is drawn: cells so wide (0: not at all), with walls or not, the plan beside the floor or below."""
+
+    cell: int
+    ruled: bool = False
+    side: bool = False
+
+
+def team(model: Model, name: str, ground: Floor | None, width: int, height: int, look: Style) -> Block:
+    """One team: its workspace and, beside or below it, its plan around the current step."""
+    status = model.statuses.get(name)
+    title, right, style = _team_head(model, name, status, ground, width)
+    inner, rows = width - 2, height - 1
+    drawing = draw(model, ground, look.cell, look.ruled) if ground and look.cell else []
+    broad = max((text.cell_len for text in drawing), default=0)
+    if look.side and drawing:
+        beyond = inner - broad - 1
+        content = beside([sized(drawing, broad, rows), sized([], 1, rows), plan(status, beyond, rows)])
+    else:
+        drawing = drawing[:rows]
+        pad = (inner - broad) // 2 if drawing else 0
+        drawing = [line(inner, " " * pad, text) for text in drawing]
+        content = drawing + plan(status, inner, rows - len(drawing))
+    return boxed(content, width, height, title, right, style)
+
+
+def _team_head(
+    model: Model, name: str, status: Status | None, ground: Floor | None, width: int
+) -> tuple[Text, Text, str]:
+    mark, state, tone = mark_of(model, name)
+    doing = state or (status.doing if status else "")
+    style = "dim"
+    if name in model.trouble:
+        style = "red"
+    elif status is not None and status.finished:
+        style, doing = "green", doing or "finished"
+    title = joined((mark, tone), " ", (name, "bold"), " ", (doing, tone if state else ""))
+    right = progress(model, ground, short=width < 70) if ground else Text("")
+    if title.cell_len + right.cell_len + 7 > width:  # what it is doing matters more
+        right = Text("")
+    return title, right, tone if state and tone != "dim" else style
+
+
+def plan(status: Status | None, width: int, rows: int) -> Block:
+    """The plan around the current step: as many steps before it as a quarter of the rows, then what comes."""
+    if rows <= 0:
+        return []
+    if status is None or not status.plan:
+        return sized([line(width, (" no plan yet", "dim"))], width, rows)
+    now = min(max(status.step - status.start, 0), len(status.plan) - 1)
+    done = status.finished or status.step - status.start >= len(status.plan)
+    first = max(min(now - rows // 4, len(status.plan) - rows), 0)
+    out: Block = []
+    for i in range(first, min(first + rows, len(status.plan))):
+        current = i == now and not done
+        style = "bold" if current else "dim" if i < now or done else ""
+        pointer = ("▶" if current else " ", "bold cyan")
+        # The current step is told in full where there is room for it, the others in a line each.
+        texts = wrapped("  ".join(status.plan[i]) or "-", max(width - 5, 1), 3 if current and rows > 3 else 1)
+        out.append(line(width, pointer, (f"{status.start + i:>3} ", style or "dim"), (texts[0], style)))
+        out += [line(width, " " * 5, (text, style)) for text in texts[1:]]
+    return sized(out, width, rows)

@@ -1,0 +1,211 @@
+"""Planning a whole scenario in this process: every team's planner, and the coordinator's search among them.
+
+The same pure functions as the agents use (`reasoning.planner`, `reasoning.sharing`), without processes. Every plan that
+is found goes through the independent checker before anybody sees it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from bus.clock import wall_s
+from ops.compile import DELAY, start
+from ops.scenario import Scenario
+from reasoning.checker import Exchange, check
+from reasoning.domain import Domain, load
+from reasoning.planner import Planner
+from reasoning.setup import Setup
+from reasoning.sharing import Asking, Known, Ledger, Shared, advance
+from reasoning.values import Answer, Plan, Problem, Question, Step
+
+Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class JointPlan:
+    """The result, as ``muster plan`` prints it. Steps count from 0. With a plan, `gap` is how much shorter a better one
+    might be; without one it is None."""
+
+    status: Status
+    makespan: int
+    lower_bound: int
+    proof: str
+    exchanges: tuple[dict[str, str | int], ...]
+    teams: Mapping[str, tuple[Step, ...]]
+    questions: int
+    seconds: float
+
+    @property
+    def gap(self) -> int | None:
+        return self.makespan - self.lower_bound if self.status in ("optimal", "feasible") else None
+
+
+class _Patience:
+    """How long the search may go on: `search_s` wall seconds from `began` (0: for ever), or until `stop` says so."""
+
+    def __init__(self, began: float, search_s: float, stop: Callable[[], bool]) -> None:
+        self._stop, self._search_s = stop, search_s
+        # A little early: a search that goes on looks up a few times a second only, and later still on a busy machine.
+        self._end = began + 0.99 * search_s if search_s else math.inf
+
+    def keep(self, seconds: float) -> None:
+        """End so much earlier: that long it takes to tell the result."""
+        self._end -= seconds
+
+    @property
+    def limited(self) -> bool:
+        return self._end < math.inf
+
+    def left_s(self) -> float | None:
+        return self._end - wall_s() if self.limited else None
+
+    def over(self) -> str:
+        """Why the search is over, in words; "" if it is not."""
+        if self._stop():
+            return "the search was interrupted"
+        late = wall_s() >= self._end
+        return f"the search was stopped after {self._search_s:g} s, by --budget or limits.search_s" if late else ""
+
+
+@dataclass
+class _Team:
+    planner: Planner
+    ledger: Ledger
+    hopeless: str
+    plans: dict[Known, Plan] = field(default_factory=dict)
+
+    def learn(self, answer: Answer) -> None:
+        plan = answer.plan
+        finish, at = (plan.makespan, plan.exchange[1] if plan.exchange else 0) if plan else (0, 0)
+        known = Known(answer.question, answer.verdict, finish, at, answer.conflicts)
+        if plan is not None:
+            self.plans[known] = plan
+        self.ledger = self.ledger.learn(known)
+
+
+def solve(
+    scenario: Scenario, progress: Progress, *, began: float | None = None, stop: Callable[[], bool] = lambda: False
+) -> JointPlan:
+    """The shortest shared plan with its proof, or as far as the scenario's limits allow. Raises `InputError`.
+
+    `progress` hears what is being asked. Once `stop` is true, or ``limits.search_s`` seconds after `began`, the best
+    plan so far is the result. Raises AssertionError should the checker refuse what the planner found.
+    """
+    began = wall_s() if began is None else began
+    setup = start(scenario)
+    domain = load(scenario.domain)
+    patience = _Patience(began, scenario.limits.search_s, stop)
+    teams = {team: _team(team, scenario, domain, setup, patience) for team in scenario.teams}
+    questions, shown = 0, False
+    while isinstance(result := _advance(teams, setup), Asking):
+        if patience.limited and result.so_far.roles and not shown:
+            before, shown = wall_s(), True
+            _joint(result.so_far, teams, scenario, setup, questions, 0.0)
+            patience.keep(1.5 * (wall_s() - before))
+        if why := patience.over():
+            result = replace(result.so_far, proof="; ".join(filter(None, [result.so_far.proof, why])))
+            break
+        for name, asked in sorted(result.questions.items()):
+            progress(f"{result.within} steps: {name} {_words(asked)}{_so_far(result)}")
+        questions += len(result.questions)
+        answers = _ask(teams, result.questions, scenario.limits.conflicts or None, patience.left_s())
+        for name, answer in answers.items():
+            if answer.verdict != "unknown" or not patience.over():
+                teams[name].learn(answer)
+    return _joint(result, teams, scenario, setup, questions, wall_s() - began)
+
+
+def _ask(
+    teams: Mapping[str, _Team], questions: Mapping[str, Question], conflicts: int | None, seconds: float | None
+) -> dict[str, Answer]:
+    """The answers, in the order of the teams' names. Each team has a solver of its own, and solving lets other threads
+    run."""
+    with ThreadPoolExecutor() as pool:
+        futures = {
+            name: pool.submit(teams[name].planner.answer, asked, conflicts=conflicts, seconds=seconds)
+            for name, asked in sorted(questions.items())
+        }
+    return {name: future.result() for name, future in futures.items()}
+
+
+def _team(name: str, scenario: Scenario, domain: Domain, setup: Setup, patience: _Patience) -> _Team:
+    state, several = setup.states[name], len(setup.states) > 1
+    guest = _guest(domain, setup, name) if several else ""
+    planner = Planner(
+        Problem(scenario.domain, setup.static, state, guest), cancelled=lambda: bool(patience.over()), clock=wall_s
+    )
+    alone = Planner(Problem(scenario.domain, setup.static, state)).hopeless()
+    with_guest = planner.hopeless() if guest else alone
+    ledger = Ledger(planner.lower_bound(), (), not alone, several and not with_guest)
+    return _Team(planner, ledger, alone)
+
+
+def _advance(teams: Mapping[str, _Team], setup: Setup) -> Asking | Shared:
+    return advance({name: team.ledger for name, team in teams.items()}, int(setup.static.get(DELAY, 0)))
+
+
+def _joint(
+    shared: Shared, teams: Mapping[str, _Team], scenario: Scenario, setup: Setup, questions: int, seconds: float
+) -> JointPlan:
+    if shared.status not in ("optimal", "feasible"):
+        why = [f"{name}: {team.hopeless}" for name, team in teams.items() if team.hopeless]
+        proof = "; ".join(filter(None, [shared.proof, *why]))
+        return JointPlan(shared.status, 0, shared.lower_bound, proof, (), {}, questions, seconds)
+    plans: dict[str, Plan] = {}
+    for name, question in shared.roles.items():
+        known = teams[name].ledger.witness(question)
+        if known is None:
+            raise AssertionError(f"{name}: no plan answers {question}")
+        plans[name] = teams[name].plans[known]
+    exchanges = tuple(_exchange(loan.giver, loan.taker, plans) for loan in shared.loans)
+    steps = {name: plan.steps for name, plan in plans.items()}
+    details = {name: plan.details for name, plan in plans.items()}
+    violations = check(scenario.domain, setup.static, setup.states, steps, exchanges=exchanges, details=details)
+    if violations:
+        raise AssertionError(f"the checker refuses the plan: {violations[0]}")
+    told: tuple[dict[str, str | int], ...] = tuple(
+        {
+            "worker": x.worker,
+            "from": x.giver,
+            "give_step": x.give_step,
+            "to": x.taker,
+            "take_step": x.take_step,
+            "as": x.known_as,
+        }
+        for x in exchanges
+    )
+    makespan = max(plan.makespan for plan in plans.values())
+    return JointPlan(shared.status, makespan, shared.lower_bound, shared.proof, told, steps, questions, seconds)
+
+
+def _exchange(giver: str, taker: str, plans: Mapping[str, Plan]) -> Exchange:
+    given, taken = plans[giver].exchange, plans[taker].exchange
+    if given is None or taken is None:
+        raise AssertionError(f"{giver} and {taker} are matched, but their plans exchange nobody")
+    return Exchange(given[0], giver, given[1], taker, taken[1], taken[0])
+
+
+def _guest(domain: Domain, setup: Setup, team: str) -> str:
+    """What a borrowed robot would be called: the prefix of the kind that is exchanged, and the next number."""
+    kind = domain.data.exchanged
+    if not kind:
+        return ""
+    prefix = str(domain.data.kinds[kind]["prefix"])
+    taken = [entity.name for entity in setup.entities if entity.team == team]
+    numbers = [int(match[1]) for name in taken if (match := re.fullmatch(rf"{re.escape(prefix)}(\d+)", name))]
+    return f"{prefix}{max(numbers, default=0) + 1}"
+
+
+def _so_far(asking: Asking) -> str:
+    return f" (at least {asking.low} are needed; {f'{asking.high} are known' if asking.high else 'no plan yet'})"
+
+
+def _words(question: Question) -> str:
+    how = {"alone": "alone", "lend": f"lending by step {question.step}", "borrow": f"borrowing from {question.step} on"}
+    return how[question.kind]

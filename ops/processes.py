@@ -1,0 +1,47 @@
+"""Which processes a run consists of and how each is started: one place, for the supervisor and for docker-compose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+
+ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR = "router", "recorder", "world", "coordinator", "supervisor"
+RESERVED = (ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the commands of a run depend on. `home` holds journals and logs, `setups` the NAME.json files, `listen` is
+    where the router listens if that differs from where the others connect to."""
+
+    run: str
+    teams: Sequence[str]
+    connect: str
+    home: PurePath
+    setups: PurePath
+    record: PurePath
+    clock: str = "fast"
+    seed: int = 0
+    python: str = "python"
+    listen: str = ""
+
+
+def commands(layout: Layout) -> dict[str, list[str]]:
+    """The command of each process, in the order in which they are started."""
+    result = {ROUTER: [layout.python, "-m", "bus.router", "--connect", layout.listen or layout.connect]}
+    result[RECORDER] = [*_start(layout, "ops.recorder", RECORDER), "--record", str(layout.record)]
+    result[WORLD] = [*_start(layout, "world", WORLD), *_setup(layout, WORLD)]
+    result[COORDINATOR] = [*_start(layout, "agents.coordinator", COORDINATOR), *_setup(layout, COORDINATOR)]
+    for team in layout.teams:
+        result[team] = [*_start(layout, "agents.team", team), *_setup(layout, team)]
+    return result
+
+
+def _start(layout: Layout, module: str, name: str) -> list[str]:
+    command = [layout.python, "-m", module, "--run", layout.run, "--name", name, "--connect", layout.connect]
+    return [*command, "--home", str(layout.home), "--clock", layout.clock, "--seed", str(layout.seed)]
+
+
+def _setup(layout: Layout, name: str) -> list[str]:
+    return ["--setup", str(layout.setups / f"{name}.json")]

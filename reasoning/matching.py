@@ -1,0 +1,40 @@
+"""Which lender serves which borrower: the assignment at the heart of sharing robots (program ``core/match.lp``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from reasoning.domain import core_program
+from reasoning.solver import models
+
+
+def match(
+    lenders: Mapping[str, int],
+    borrowers: Mapping[str, int],
+    delay: int | Mapping[tuple[str, str], int],
+    bench: Mapping[str, int] | None = None,
+) -> dict[str, str] | None:
+    """A lender or a robot on the bench for each borrower, each serving one at most; None: there is no such assignment.
+
+    `lenders[team]` is the earliest step to give, `borrowers[team]` the latest step to take, `bench[robot]` the step
+    from which a waiting robot can be taken, `delay` the steps of transport, of all or of each pair (lender,
+    borrower); a pair without one cannot exchange. Uses as many robots of the bench as possible. Deterministic.
+    """
+    bench = bench or {}
+    if not borrowers:
+        return {}
+    names = {name: f"x{number}" for number, name in enumerate(sorted({*lenders, *borrowers, *bench}))}
+    pairs = {(giver, taker): delay for giver in lenders for taker in borrowers} if isinstance(delay, int) else delay
+    facts = [f"lender({names[name]},{step})." for name, step in sorted(lenders.items())]
+    facts += [f"borrower({names[name]},{step})." for name, step in sorted(borrowers.items())]
+    facts += [f"bench({names[name]},{step})." for name, step in sorted(bench.items())]
+    facts += [
+        f"delay({names[giver]},{names[taker]},{steps})."
+        for (giver, taker), steps in sorted(pairs.items())
+        if giver in lenders and taker in borrowers
+    ]
+    found = models([core_program("match")], facts, optimum=True)
+    if not found:
+        return None
+    known = {symbol: name for name, symbol in names.items()}
+    return {known[str(taker)]: known[str(giver)] for _, (taker, giver) in sorted(found[0].atoms)}

@@ -1,0 +1,193 @@
+"""The one door to clingo.
+
+Outside it, terms are plain: integers, and strings that hold constants and compound terms as written (``"w1"``,
+``"(1,3)"``, ``"move(w1,right)"``); a quoted string comes out without its quotes. Solving is single-threaded with a
+fixed seed, so equal input gives equal output. A message from the grounder is a bug in a program, and an error here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+
+Term = int | str
+SLICE_S = 0.2
+"""How often a running search looks up, wall seconds."""
+
+
+class SolverError(Exception):
+    """A program is wrong: it does not parse, or grounding it gave a message."""
+
+
+class Atom(NamedTuple):
+    name: str
+    args: tuple[Term, ...]
+
+
+class Model(NamedTuple):
+    """The shown atoms, sorted, and the costs by priority (empty without optimisation)."""
+
+    atoms: tuple[Atom, ...]
+    cost: tuple[int, ...] = ()
+
+
+@lru_cache(maxsize=65536)
+def parse(text: str) -> tuple[str, tuple[Term, ...]]:
+    """Name and arguments of a written term: ``move(w1,right)`` gives ``("move", ("w1", "right"))``; the name of a
+    tuple is empty.
+
+    Raises ValueError for what is no compound term or constant.
+    """
+    try:
+        symbol = clingo.parse_term(text)
+    except RuntimeError as error:
+        raise ValueError(f"not a term: {text!r}") from error
+    if symbol.type != clingo.SymbolType.Function or not symbol.positive:
+        raise ValueError(f"not an action or a fluent: {text!r}")
+    return symbol.name, tuple(_plain(a) for a in symbol.arguments)
+
+
+def quoted(text: str) -> str:
+    """A string as a term of its own."""
+    return str(clingo.String(text))
+
+
+def models(
+    files: Sequence[Path],
+    facts: Iterable[str] = (),
+    *,
+    consts: Mapping[str, int] | None = None,
+    limit: int = 0,
+    optimum: bool = False,
+) -> list[Model]:
+    """Up to `limit` models (0: all) of the programs with these facts; with `optimum`, only one that is proved best.
+
+    Raises SolverError when a program is wrong.
+    """
+    options = [f"-c{name}={value}" for name, value in (consts or {}).items()]
+    options += ["--opt-mode=opt", "-n0"] if optimum else [f"-n{limit}"]
+    loaded = Program(files, facts, options)
+    loaded.ground(("base", ()))
+    found: list[Model] = []
+    with loaded.control.solve(yield_=True) as handle:
+        for model in handle:
+            if optimum:
+                found = [_model(model)]
+            else:
+                found.append(_model(model))
+    return found
+
+
+class Solved(NamedTuple):
+    """`satisfiable` is None when the search was stopped. `conflicts` counts this search alone."""
+
+    satisfiable: bool | None
+    model: Model | None
+    conflicts: int
+
+
+Assumption = tuple[str, tuple[int, ...], bool]
+
+
+class Program:
+    """Loaded programs for multi-shot solving: `ground` parts as they are needed, `solve` under assumptions."""
+
+    def __init__(
+        self, files: Sequence[Path], facts: Iterable[str] = (), options: Sequence[str] = (), *, seed: int = 0
+    ) -> None:
+        """Raises SolverError when a program does not parse."""
+        self._messages: list[str] = []
+        # An exception in the logger would end the process: messages are kept and raised after the call.
+        self.control = clingo.Control(
+            ["--seed=0", "-t1", *options], lambda _, text: self._messages.append(text.strip())
+        )
+        with self._door():
+            for file in files:
+                self.control.load(str(file))
+            self.control.add("base", [], "\n".join(facts))
+
+    def ground(self, *parts: tuple[str, Sequence[int]]) -> None:
+        """Ground parts with integer arguments. Raises SolverError on any message."""
+        with self._door():
+            self.control.ground([(name, [clingo.Number(a) for a in args]) for name, args in parts])
+
+    def solve(
+        self,
+        assumptions: Sequence[Assumption],
+        *,
+        conflicts: int | None = None,
+        seconds: float | None = None,
+        beat: Callable[[], None] = lambda: None,
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Solved:
+        """One search under assumptions (name, arguments, truth), stopped by its budgets or by `cancelled`, which
+        is asked every `SLICE_S`, as `beat` is called. A budget of seconds is kept to a few hundredths."""
+        self.control.configuration.solve.solve_limit = f"{conflicts},umax" if conflicts else "umax,umax"  # type: ignore[union-attr]
+        symbols = [
+            (clingo.Function(name, [clingo.Number(a) for a in args]), truth) for name, args, truth in assumptions
+        ]
+        found: list[Model] = []
+
+        def keep(model: clingo.Model) -> bool:
+            found.append(_model(model))
+            return False
+
+        left_s = float("inf") if seconds is None else seconds
+        with self.control.solve(assumptions=symbols, on_model=keep, async_=True) as handle:
+            while not handle.wait(max(min(SLICE_S, left_s), 0.0)):
+                beat()
+                left_s -= SLICE_S
+                if cancelled() or left_s <= 0.0:
+                    handle.cancel()
+                    break
+            result = handle.get()
+        done = None if result.satisfiable is None or (result.interrupted and not found) else bool(result.satisfiable)
+        used = int(self.control.statistics["solving"]["solvers"]["conflicts"])
+        return Solved(done, found[0] if found else None, used)
+
+    def cheapest(self) -> Model | None:
+        """A model that is proved best by the program's preferences; None when there is no model."""
+        found = None
+        self.control.configuration.solve.models = 0  # type: ignore[union-attr]
+        self.control.configuration.solve.opt_mode = "opt"  # type: ignore[union-attr]
+        with self.control.solve(yield_=True) as handle:
+            for model in handle:
+                found = _model(model)
+        return found
+
+    def within(self, cost: Sequence[int], *, limit: int = 0, project: bool = False) -> list[Model]:
+        """Up to `limit` models (0: all) that cost at most so much, by priority; with `project`, one for each
+        assignment of what the program projects on."""
+        self.control.configuration.solve.models = limit  # type: ignore[union-attr]
+        self.control.configuration.solve.opt_mode = ",".join(("enum", *map(str, cost)))  # type: ignore[union-attr]
+        self.control.configuration.solve.project = "project,3" if project else "no"  # type: ignore[union-attr]
+        with self.control.solve(yield_=True) as handle:
+            return [_model(model) for model in handle]
+
+    @contextmanager
+    def _door(self) -> Iterator[None]:
+        failed = None
+        try:
+            yield
+        except RuntimeError as error:
+            failed = error
+        if failed is not None or self._messages:
+            text = "; ".join(self._messages) or str(failed)
+            self._messages.clear()
+            raise SolverError(text) from failed
+
+
+def _model(model: clingo.Model) -> Model:
+    atoms = sorted(model.symbols(shown=True))
+    return Model(tuple(Atom(a.name, tuple(_plain(x) for x in a.arguments)) for a in atoms), tuple(model.cost))
+
+
+def _plain(symbol: clingo.Symbol) -> Term:
+    if symbol.type == clingo.SymbolType.Number:
+        return symbol.number
+    return symbol.string if symbol.type == clingo.SymbolType.String else str(symbol)

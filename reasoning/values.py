@@ -1,0 +1,125 @@
+"""The values that the core computes with. Immutable, no behaviour beyond their own consistency.
+
+Fluents, values and actions are written as terms of the domain's language: ``"at(w1)"``, ``"(1,3)"``,
+``"move(w1,right)"``; integers stay integers. Steps count from 0; action step t leads from state t to state t + 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+Value = int | str
+State = Mapping[str, Value]
+Step = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What one team wants to plan: from `state` to the domain's goal.
+
+    `static` are the domain's constants (``width``, ``height``, ``line``, ``delay``). `state` holds the sensed fluents,
+    and ``"broken(c1)": 1`` for robots *known* to be broken. `guest` is the name that a borrowed robot would get
+    (empty: borrowing is not possible). Domain-neutral: everything else is in the domain's programs.
+    """
+
+    domain: str
+    static: Mapping[str, Value]
+    state: State
+    guest: str = ""
+
+
+Promises = tuple[tuple[str, int], ...]
+"""Robots that are given or taken: each the kind of robot and a step. Sorted."""
+
+
+class Question(NamedTuple):
+    """Can the team finish within `within` steps: alone / lending a robot in step `step` or earlier /
+    borrowing one in step `step` or later?
+
+    Or ``share``: if it gives at least the robots of `gives`, each in its step or earlier, and takes at most those of
+    `takes`, each in its step or later?
+    """
+
+    kind: Literal["alone", "lend", "borrow", "share"]
+    within: int
+    step: int = 0
+    gives: Promises = ()
+    takes: Promises = ()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """`steps[t]` are the actions of step t; `states[t]` the predicted sensed state before it, so there is one more.
+
+    `details[(t, action)]` is what the written action leaves out (``{"effector": 3}`` of a taken robot).
+    `exchange` is the robot that is lent or borrowed and the step in which that happens.
+    """
+
+    steps: tuple[Step, ...]
+    states: tuple[State, ...] = ()
+    details: Mapping[tuple[int, str], Mapping[str, Value]] = field(default_factory=dict)
+    exchange: tuple[str, int] | None = None
+
+    @property
+    def makespan(self) -> int:
+        return len(self.steps)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """`yes` has a plan; `no` is proved; `unknown` means that the budget ran out or the search was cancelled."""
+
+    question: Question
+    verdict: Literal["yes", "no", "unknown"]
+    plan: Plan | None = None
+    conflicts: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Found:
+    """The result of a search for the shortest plan. `proof` says in words how lengths below were refuted."""
+
+    status: Literal["optimal", "feasible", "infeasible", "unknown"]
+    plan: Plan | None
+    lower_bound: int
+    proof: str
+    seconds: float = 0.0
+    conflicts: int = 0
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One broken rule, found by the independent checker."""
+
+    team: str
+    step: int
+    action: str
+    rule: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """One minimal explanation of an observed state: `causes` are terms (``broken(c1)``, ``moved(w1)``); `since[cause]`
+    the steps at which it may have begun; `happened[t]` the actions that did take place in step t of the case."""
+
+    causes: tuple[str, ...]
+    since: Mapping[str, tuple[int, ...]]
+    happened: tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a diagnosis starts from: the sensed state before, the actions commanded since, the state sensed now, and
+    at most how many robots may be broken."""
+
+    domain: str
+    static: Mapping[str, Value]
+    before: State
+    actions: tuple[Step, ...]
+    observed: State
+    bound: int = 2
+    details: Mapping[tuple[int, str], Mapping[str, Value]] = field(default_factory=dict)

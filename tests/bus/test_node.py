@@ -1,0 +1,276 @@
+"""What a node promises to its owner, over both transports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bus import keys
+from bus.codec import decode, encode
+from bus.messages import (
+    Envelope,
+    Event,
+    EventsAre,
+    EventsFrom,
+    Execute,
+    Executed,
+    Impair,
+    Observe,
+    Observed,
+    Ok,
+    Ping,
+    Status,
+)
+from bus.node import NoAnswer, Node
+from tests.bus import toys
+from tests.bus.conftest import Bus, Collected, Threads
+from tests.bus.test_codec import envelope
+
+
+def serve(node: Node, seen: Collected[Envelope] | None = None) -> None:
+    """Answer everything that wants to look."""
+    for turn in node.turns():
+        for message in turn.mail:
+            if seen is not None:
+                seen.add(message)
+            if isinstance(message.body, Observe):
+                node.reply(message, Observed(message.body.team, {"seen": 1}))
+
+
+@pytest.fixture
+def server(bus: Bus, threads: Threads) -> Node:
+    node = bus.node("server", outsider=True)
+    threads.stops.append(node.stop)
+    threads.start(serve, node)
+    return node
+
+
+def test_ask_and_answer(bus: Bus, server: Node) -> None:
+    client = bus.node("client", outsider=True)
+    for _ in range(3):
+        assert client.ask("server", Observe("T1"), timeout_s=5.0) == Observed("T1", {"seen": 1})
+    assert client.ask("server", Ping(), timeout_s=5.0) == Ok()
+
+
+def test_nobody_answers(bus: Bus) -> None:
+    client = bus.node("client", outsider=True)
+    with pytest.raises(NoAnswer, match=r"ghost did not answer Ping within 0.1 s"):
+        client.ask("ghost", Ping(), timeout_s=0.1)
+
+
+def test_requests_and_replies_in_turns(bus: Bus, server: Node) -> None:
+    client = bus.node("client", outsider=True)
+    asked = [client.request("server", Observe(f"T{number}")) for number in range(5)]
+    answered: dict[str, str] = {}
+    for turn in client.turns():
+        for message in turn.mail:
+            assert isinstance(message.body, Observed)
+            answered[message.re] = message.body.team
+        if len(answered) == 5:
+            client.stop()
+    assert answered == {request: f"T{number}" for number, request in enumerate(asked)}
+
+
+def test_a_request_is_repeated_until_its_receiver_comes(bus: Bus, threads: Threads) -> None:
+    client = bus.node("client", outsider=True)
+    client.request("server", Observe("T1"), retry_s=0.05)
+    late = bus.node("server", outsider=True)
+    threads.stops.append(late.stop)
+    threads.start(serve, late)
+    for turn in client.turns():
+        if turn.mail:
+            assert turn.mail[0].body == Observed("T1", {"seen": 1})
+            client.stop()
+
+
+def test_what_was_forgotten_is_neither_repeated_nor_delivered(bus: Bus) -> None:
+    client, other = bus.node("client", outsider=True), bus.transport()
+    request = client.request("server", Observe("T1"), retry_s=0.05)
+    client.forget(request)
+    reply = envelope(Observed("T1", {}), run=bus.run, src="server", id="server.1.1", re=request)
+    other.put(keys.mail(bus.run, "client"), encode(reply))
+    news = envelope(Observe("T2"), run=bus.run, src="server", id="server.1.2")
+    other.put(keys.mail(bus.run, "client"), encode(news))
+    for turn in client.turns():
+        if turn.mail:
+            assert [message.body for message in turn.mail] == [Observe("T2")]
+            client.stop()
+
+
+def test_a_repeated_request_is_answered_again_but_delivered_once(bus: Bus, threads: Threads, tmp_path: Path) -> None:
+    """Also by the next life of the server."""
+    replies: Collected[Envelope] = Collected()
+    stranger = bus.transport()
+
+    def on_reply(_: str, payload: bytes) -> None:
+        message = decode(payload)
+        assert isinstance(message, Envelope)
+        replies.add(message)
+
+    stranger.subscribe(keys.mail(bus.run, "stranger"), on_reply)
+    request = encode(envelope(Observe("T1"), run=bus.run, src="stranger", id="stranger.1.1"))
+    seen: Collected[Envelope] = Collected()
+    for life in (1, 2):
+        server = bus.node("server", outsider=True, home=tmp_path)
+        threads.stops.append(server.stop)
+        thread = threads.start(serve, server, seen)
+        for copy in (1, 2):
+            stranger.put(keys.mail(bus.run, "server"), request)
+            replies.wait(lambda items, count=2 * life - 2 + copy: len(items) >= count)  # type: ignore[misc]
+        server.stop()
+        thread.join(10)
+        server.close()
+    assert len(seen.items) == 1
+    assert [(r.re, r.id, r.body) for r in replies.items] == 4 * [
+        ("stranger.1.1", "re.stranger.1.1", Observed("T1", {"seen": 1}))
+    ]
+    assert [r.inc for r in replies.items] == [1, 1, 2, 2]
+
+
+def test_a_reply_goes_out_with_its_transaction(bus: Bus) -> None:
+    """If the change is not kept, neither is the reply: the repeated request is handled anew."""
+    server = bus.node("server", outsider=True)
+    tries: list[int] = []
+
+    def careful() -> None:
+        for turn in server.turns():
+            for message in turn.mail:
+                with server.journal.transaction():
+                    tries.append(1)
+                    server.journal.put("count", b"%d" % len(tries))
+                    server.reply(message, Executed("T1", len(tries), {}))
+                    if len(tries) == 1:
+                        raise RuntimeError("died")
+
+    bus.node("client", outsider=True).request("server", Execute("T1", 0))
+    with pytest.raises(RuntimeError, match="died"):
+        careful()
+    assert server.journal.get("count") is None
+    assert server.post.outbox.total == 0
+
+
+def test_hostile_mail_is_refused_counted_and_told(bus: Bus, server: Node) -> None:
+    events: Collected[Event] = Collected()
+
+    def on_event(_: str, payload: bytes) -> None:
+        message = decode(payload)
+        assert isinstance(message, Envelope)
+        assert isinstance(message.body, Event)
+        events.add(message.body)
+
+    stranger = bus.transport()
+    stranger.subscribe(keys.event(bus.run, "server"), on_event)
+    mailbox = keys.mail(bus.run, "server")
+    stranger.put(mailbox, b"\xc1")
+    stranger.put(mailbox, b"\x93\x01")
+    stranger.put(mailbox, encode(envelope(Ping(), run="another")))
+    assert bus.node("client", outsider=True).ask("server", Ping(), timeout_s=5.0) == Ok()
+    server.wake_soon()
+    events.wait(lambda items: {e.data["reason"] for e in items} >= {"malformed", "wrong_run"})
+    assert {(e.kind, e.data["reason"], e.data["count"]) for e in events.items} == {
+        ("refused", "malformed", 2),
+        ("refused", "wrong_run", 1),
+    }
+
+
+def test_whose_name_is_in_the_key_must_be_the_source(bus: Bus) -> None:
+    node = bus.node("watcher", outsider=True)
+    heard: list[str] = []
+    node.post.listen(keys.beat(bus.run, "*"), lambda message: heard.append(message.src))
+    stranger = bus.transport()
+    stranger.put(keys.beat(bus.run, "T1"), encode(envelope(Ping(), run=bus.run, src="T2")))
+    stranger.put(keys.beat(bus.run, "T1"), encode(envelope(Ping(), run=bus.run, src="T1")))
+    while "T1" not in heard:
+        assert node.post.wait(5.0) or not heard
+    assert heard.count("T2") == 0
+    assert node.post.inbox.refused == {"forged": 1}
+
+
+def test_hostile_round_numbers_do_not_keep_mail_for_ever(memory_bus: Bus, threads: Threads) -> None:
+    world, agent = memory_bus.node("world"), memory_bus.node("T1")
+    threads.stops += [world.stop, agent.stop]
+    threads.start(lambda: toys.world(world, participants=("T1",)))
+    threads.start(serve, agent)
+    stranger = memory_bus.transport()
+    answers: Collected[str] = Collected()
+    stranger.subscribe(keys.mail(memory_bus.run, "stranger"), lambda key, _: answers.add(key))
+    far = envelope(Observe("T1"), run=memory_bus.run, src="stranger", id="stranger.1.1", round=2**60)
+    for receiver in ("world", "T1"):
+        stranger.put(keys.mail(memory_bus.run, receiver), encode(far))
+    answers.wait(lambda items: len(items) == 1)
+
+
+def test_late_comers_see_the_latest_status(bus: Bus) -> None:
+    node = bus.node("T1", outsider=True)
+    node.status(Status("team", "planning"))
+    node.status(Status("team", "executing", step=3))
+    seen: Collected[str] = Collected()
+
+    def on_status(_: str, payload: bytes) -> None:
+        message = decode(payload)
+        assert isinstance(message, Envelope)
+        assert isinstance(message.body, Status)
+        seen.add(message.body.doing)
+
+    bus.transport().subscribe(keys.status(bus.run, "*"), on_status, history=True)
+    seen.wait(lambda items: "executing" in items)
+
+
+def test_events_can_be_had_again_also_those_of_a_former_life(bus: Bus, threads: Threads, tmp_path: Path) -> None:
+    first = bus.node("T1", outsider=True, home=tmp_path)
+    for number in range(250):
+        first.emit("refused", "nothing happened", reason="none", count=number)
+    first.close()
+    second = bus.node("T1", outsider=True, home=tmp_path)
+    second.emit("started", "here again", incarnation=2)
+    threads.stops.append(second.stop)
+    threads.start(serve, second)
+    recorder = bus.node("recorder", outsider=True)
+    have: list[Envelope] = []
+    while len(have) < 250:
+        answer = recorder.ask("T1", EventsFrom(1, len(have) + 1), timeout_s=5.0)
+        assert isinstance(answer, EventsAre)
+        assert answer.last == 250
+        for packed in answer.packed:
+            message = decode(packed)
+            assert isinstance(message, Envelope)
+            have.append(message)
+    assert [message.seq for message in have] == list(range(1, 251))
+    assert len({message.id for message in have}) == 250
+    answer = recorder.ask("T1", EventsFrom(2, 1), timeout_s=5.0)
+    assert isinstance(answer, EventsAre)
+    assert (answer.last, len(answer.packed)) == (1, 1)
+
+
+def test_a_reply_counts_only_from_who_was_asked(bus: Bus, server: Node) -> None:
+    client, stranger = bus.node("client", outsider=True), bus.transport()
+    request = client.request("server", Observe("T1"))
+    forged = envelope(Observed("T1", {"seen": 666}), run=bus.run, src="stranger", re=request)
+    stranger.put(keys.mail(bus.run, "client"), encode(forged))
+    for turn in client.turns():
+        for message in turn.mail:
+            assert message.body == Observed("T1", {"seen": 1})
+            client.stop()
+
+
+def test_an_unknown_kind_of_event_is_a_bug() -> None:
+    from bus.memory_transport import MemoryRouter
+
+    bus = Bus(MemoryRouter().connect)
+    with pytest.raises(ValueError, match="no kind of event is called 'hapened'"):
+        bus.node("T1").emit("hapened", "")
+    bus.close()
+
+
+def test_impaired_links_lose_mail_and_requests_get_through(bus: Bus, server: Node) -> None:
+    client, world = bus.node("client", outsider=True), bus.node("world", outsider=True)
+    assert client.ask("server", Impair("client", drop=1.0), timeout_s=5.0) == Ok()
+    assert server.post.inbox.refused == {"not_yours": 1}, "disturbances are the world's business"
+    assert world.ask("server", Impair("client", drop=0.4, seed=5), timeout_s=5.0) == Ok()
+    asked = {client.request("server", Observe("T1"), retry_s=0.02) for _ in range(20)}
+    for turn in client.turns():
+        asked -= {message.re for message in turn.mail}
+        if not asked:
+            client.stop()
+    assert server.post.outbox.repeated > 0

@@ -1,0 +1,63 @@
+"""The matching of lenders and borrowers, against brute force."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reasoning.matching import match
+
+STEPS = st.integers(0, 8)
+LENDERS = st.dictionaries(st.sampled_from(["T1", "T2", "T3"]), STEPS)
+BORROWERS = st.dictionaries(st.sampled_from(["T4", "T5", "T6"]), STEPS)
+BENCH = st.dictionaries(st.sampled_from(["T7.w1", "T8.w2"]), STEPS)
+PAIRS = st.dictionaries(
+    st.tuples(st.sampled_from(["T1", "T2", "T3"]), st.sampled_from(["T4", "T5", "T6"])), st.integers(0, 4)
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(LENDERS, BORROWERS, st.integers(0, 4) | PAIRS, BENCH)
+def test_a_matching_is_found_if_brute_force_finds_one_and_uses_the_bench_as_much(
+    lenders: dict[str, int], borrowers: dict[str, int], delay: int | dict[tuple[str, str], int], bench: dict[str, int]
+) -> None:
+    def in_time(giver: str, taker: str) -> bool:
+        if giver in bench:
+            return bench[giver] <= borrowers[taker]
+        steps = delay if isinstance(delay, int) else delay.get((giver, taker))
+        return steps is not None and lenders[giver] + steps <= borrowers[taker]
+
+    all_ways = [
+        dict(zip(borrowers, givers, strict=True))
+        for givers in permutations([*lenders, *bench], len(borrowers))
+        if all(in_time(giver, taker) for giver, taker in zip(givers, borrowers, strict=True))
+    ]
+    found = match(lenders, borrowers, delay, bench)
+    if found is None:
+        assert not all_ways
+        return
+    assert found in all_ways
+    used = [sum(giver in bench for giver in way.values()) for way in all_ways]
+    assert sum(giver in bench for giver in found.values()) == max(used)
+
+
+def test_the_published_exchange() -> None:
+    assert match({"T2": 11, "T3": 13}, {"T1": 13, "T4": 18}, delay=2) == {"T1": "T2", "T4": "T3"}
+    assert match({"T2": 11, "T3": 17}, {"T1": 13, "T4": 18}, delay=2) is None
+    assert match({"T2": 11, "T3": 17}, {"T1": 13, "T4": 18}, delay=2, bench={"T9.w1": 18}) == {
+        "T1": "T2",
+        "T4": "T9.w1",
+    }
+
+
+def test_the_order_of_the_input_makes_no_difference() -> None:
+    one = match({"T1": 0, "T2": 0, "T3": 0}, {"T4": 5, "T5": 5}, 1)
+    assert one == match({"T3": 0, "T1": 0, "T2": 0}, {"T5": 5, "T4": 5}, 1)
+
+
+def test_nobody_to_serve_is_served() -> None:
+    assert match({}, {}, 2) == {}
+    assert match({"T1": 3}, {}, 2) == {}
+    assert match({}, {"T1": 3}, 2) is None

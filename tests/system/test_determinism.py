@@ -1,0 +1,28 @@
+"""In ``fast`` mode the same seed gives the same events, in the same order at the same simulated times: with kills,
+pauses and bad links too, for they happen while everybody waits for the world's word.
+"""
+
+from __future__ import annotations
+
+from difflib import unified_diff
+from pathlib import Path
+
+import pytest
+
+from ops.recording import event_stream
+from tests.system.whole import SMALL, ended
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_the_same_seed_gives_the_same_events(name: str, tmp_path: Path) -> None:
+    first, second = (lines(name, tmp_path / number) for number in ("first", "second"))
+    assert len(first) > 50
+    assert list(unified_diff(first, second, "first", "second", n=1, lineterm=""))[:20] == []
+
+
+def lines(name: str, home: Path) -> list[str]:
+    run = ended(name, home, "--clock", "fast", "--seed", "5")
+    assert run.code == 0, run.told
+    return [f"{at_s:.6f} {source} {kind} {data}" for at_s, source, kind, data in event_stream(run.recording)]

@@ -1,0 +1,90 @@
+"""Disturbances as they take effect: announced, journalled, done, and the coordinator told of a changed order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from bus.messages import Envelope, Inject, Injected, Order, Value
+from bus.node import Node
+from world.faults import Faults, physical
+from world.truth import Truth
+
+COORDINATOR = "coordinator"
+
+
+class Disturbances:
+    """Script and operator alike. `save` journals the world."""
+
+    def __init__(self, node: Node, truth: Truth, faults: Faults, save: Callable[[], None]) -> None:
+        self._node, self._truth, self._faults, self._save = node, truth, faults, save
+        self._orders: dict[str, Order] = {}
+
+    # ------------------------------------------------------------ orders
+    @property
+    def untold(self) -> list[Order]:
+        """Changes of orders that the coordinator has not confirmed yet."""
+        return list(self._orders.values())
+
+    def tell(self, order: Order) -> None:
+        """Tell the coordinator of a changed order."""
+        self._orders[self._node.request(COORDINATOR, order)] = order
+
+    def told(self, request: str) -> None:
+        """A request was answered."""
+        self._orders.pop(request, None)
+
+    # ------------------------------------------------------------ disturbances
+    def of_script(self, numbers: list[int]) -> None:
+        """Carry out faults of the scene."""
+        if not numbers:
+            return
+        later = []
+        with self._node.journal.transaction():
+            for number in numbers:
+                fault = self._truth.scene.faults[number]
+                self._faults.saved.done.append(number)
+                reason = self._happen(fault.kind, fault.target, fault.args)
+                if reason:
+                    self._came_to_nothing(fault.kind, fault.target, reason)
+                elif not physical(fault.kind):
+                    later.append(fault)
+            self._save()
+        for fault in later:
+            if reason := self._faults.pass_on(fault.kind, fault.target, fault.args):
+                self._came_to_nothing(fault.kind, fault.target, reason)
+        if later:
+            self._save()
+
+    def asked_for(self, message: Envelope, body: Inject) -> None:
+        """Carry out a disturbance that somebody asked for, and say what came of it."""
+        with self._node.journal.transaction():
+            reason = self._happen(body.kind, body.target, body.args)
+            if reason or physical(body.kind):
+                self._node.reply(message, Injected(not reason, reason))
+            self._save()
+        if not reason and not physical(body.kind):
+            reason = self._faults.pass_on(body.kind, body.target, body.args)
+            with self._node.journal.transaction():
+                self._node.reply(message, Injected(not reason, reason))
+                self._save()
+
+    def _happen(self, kind: str, target: str, args: Mapping[str, Value | float]) -> str:
+        """Announce a disturbance, and do it if it is a physical one; why it cannot be, or empty."""
+        reason = self._faults.wrong(kind, target, args)
+        if reason:
+            return reason
+        outcome = self._faults.happen(kind, target, args) if physical(kind) else ""
+        if isinstance(outcome, str) and outcome:
+            return outcome
+        self._faults.plan_resume(kind, target, args)
+        listed = ", ".join(f"{name} {value}" for name, value in args.items())
+        text = f"{kind} {target} {listed}".strip()
+        self._node.post.emit("fault_injected", text, {"kind": kind, "target": target, "args": dict(args)})
+        if isinstance(outcome, Order):
+            text = f"the order of {outcome.team} has changed"
+            self._node.emit("order", text, team=outcome.team, added=outcome.added, cancelled=outcome.cancelled)
+            self.tell(outcome)
+        return ""
+
+    def _came_to_nothing(self, kind: str, target: str, reason: str) -> None:
+        self._node.emit("refused", f"{kind} {target} came to nothing: {reason}", reason=reason, count=1)

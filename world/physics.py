@@ -1,0 +1,180 @@
+"""The floor: bodies, drives, belts and joints in one rigid-body space. The only module that imports pymunk.
+
+All is seen from above. A robot is driven by a velocity that a bounded force pulls it to; at rest the same force, only
+stronger, is its brake. An object rides a belt by friction. Bodies are discs that do not turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import pymunk
+from pymunk import batch
+
+Point = tuple[float, float]
+
+BRAKE = 5.0
+"""A brake is so many times stronger than what pulls at it: who is run into stays where it is."""
+ROLLING_N = 5.0
+"""What is left of a drive's resistance when its body is pulled along by another."""
+NOTHING = pymunk.ShapeFilter(mask=0)
+
+
+class _Body(NamedTuple):
+    body: pymunk.Body
+    shape: pymunk.Circle
+    drive: pymunk.PivotJoint
+    control: pymunk.Body
+    solid: pymunk.ShapeFilter
+    mass_kg: float
+    brake_n: float
+
+
+class Floor:
+    """Bodies by name. Positions in metres, velocities in m/s, forces in N; all calls are cheap but `step`."""
+
+    def __init__(self, dt_s: float, firm_mps2: float) -> None:
+        """`dt_s`: length of a physics step. `firm_mps2`: the deceleration that brakes and belts are made for."""
+        self._space = pymunk.Space()
+        self._dt_s, self._firm = dt_s, firm_mps2
+        self._bodies: dict[str, _Body] = {}
+        self._belts: dict[str, pymunk.Body] = {}
+        self._couplings: dict[tuple[str, str], pymunk.PivotJoint] = {}
+        # Positions are read from the space all at once: one call for a hundred bodies costs what ten single ones do.
+        self._buffer = batch.Buffer()
+        self._order: list[str] = []
+        self._at: dict[str, Point] = {}
+        self._stale = True
+
+    # ------------------------------------------------------------ bodies
+    def add(self, name: str, at: Point, *, radius_m: float, mass_kg: float, layer: int, belt: str = "") -> None:
+        """A body at rest, with a drive of its own or riding a belt. Bodies of the same layer collide."""
+        body = pymunk.Body(mass_kg, float("inf"))
+        body.position = at
+        solid = pymunk.ShapeFilter(categories=1 << layer, mask=1 << layer)
+        shape = pymunk.Circle(body, radius_m)
+        shape.filter = solid
+        control = self._belt(belt) if belt else pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        drive = pymunk.PivotJoint(control, body, (0, 0), (0, 0))
+        drive.max_bias = 0.0
+        brake_n = mass_kg * self._firm * (1.0 if belt else BRAKE)
+        drive.max_force = brake_n
+        self._space.add(body, shape, drive)
+        self._bodies[name] = _Body(body, shape, drive, control, solid, mass_kg, brake_n)
+        self._order = []
+        self._stale = True
+
+    def lift(self, name: str) -> None:
+        """Take a body off the floor: nothing touches or moves it any more, it keeps its place."""
+        it = self._bodies[name]
+        if it.body.space is not None:
+            self._space.remove(it.drive, it.shape, it.body)
+            it.body.velocity = (0.0, 0.0)
+            self._at[name] = it.body.position.x, it.body.position.y
+            self._order = []
+            self._stale = True
+
+    def put(self, name: str, at: Point) -> None:
+        """Put a body elsewhere, at rest, on the floor or lifted as it was before."""
+        body = self._bodies[name].body
+        body.position = at
+        body.velocity = (0.0, 0.0)
+        self._at[name] = at
+
+    def lower(self, name: str) -> None:
+        """Put a lifted body back on the floor."""
+        it = self._bodies[name]
+        if it.body.space is None:
+            self._space.add(it.body, it.shape, it.drive)
+            self._order = []
+            self._stale = True
+
+    def where(self, name: str) -> Point:
+        return (self.positions() if self._stale else self._at)[name]
+
+    def positions(self) -> Mapping[str, Point]:
+        """Where all bodies are; good until the next call of anything else."""
+        if self._stale:
+            self._read()
+        return self._at
+
+    def velocity(self, name: str) -> Point:
+        velocity = self._bodies[name].body.velocity
+        return velocity.x, velocity.y
+
+    def speed_up(self, name: str, velocity: Point) -> None:
+        """Give a body a velocity at once, for bodies that were on their way when the world was last saved."""
+        self._bodies[name].body.velocity = velocity
+
+    def solid(self, name: str, solid: bool) -> None:
+        """Whether the body collides with its layer."""
+        it = self._bodies[name]
+        it.shape.filter = it.solid if solid else NOTHING
+
+    def mass_kg(self, name: str) -> float:
+        return self._bodies[name].mass_kg
+
+    # ------------------------------------------------------------ what moves them
+    def drive(self, name: str, velocity: Point, force_n: float) -> None:
+        """Pull towards this velocity with at most this force, until told otherwise."""
+        it = self._bodies[name]
+        it.control.velocity = velocity
+        it.drive.max_force = force_n
+
+    def halt(self, name: str) -> None:
+        """Pull towards standing still, with the force of the drive before."""
+        self._bodies[name].control.velocity = (0.0, 0.0)
+
+    def brake(self, name: str) -> None:
+        """Hold fast what was halted: it resists being pushed."""
+        it = self._bodies[name]
+        it.drive.max_force = it.brake_n
+
+    def release(self, name: str) -> None:
+        """Let itself be pulled."""
+        self._bodies[name].drive.max_force = ROLLING_N
+
+    def run_belt(self, belt: str, velocity: Point) -> None:
+        self._belt(belt).velocity = velocity
+
+    def couple(self, one: str, other: str) -> None:
+        """Join two bodies where they stand."""
+        a, b = self._bodies[one].body, self._bodies[other].body
+        joint = pymunk.PivotJoint(a, b, a.position)
+        joint.collide_bodies = False
+        self._space.add(joint)
+        self._couplings[one, other] = joint
+
+    def uncouple(self, one: str, other: str) -> None:
+        """Undo `couple` of the same two."""
+        key = (one, other) if (one, other) in self._couplings else (other, one)
+        self._space.remove(self._couplings.pop(key))
+
+    def coupled(self, one: str, other: str) -> bool:
+        return (one, other) in self._couplings or (other, one) in self._couplings
+
+    def step(self, times: int) -> None:
+        """Let so many physics steps pass."""
+        advance, dt_s = self._space.step, self._dt_s
+        self._stale = True
+        for _ in range(times):
+            advance(dt_s)
+
+    def _read(self) -> None:
+        """Take all positions from the space; who is lifted keeps its own."""
+        if not self._order:
+            names = {it.body.id: name for name, it in self._bodies.items()}
+            self._buffer.clear()
+            batch.get_space_bodies(self._space, batch.BodyFields.BODY_ID, self._buffer)
+            self._order = [names[number] for number in memoryview(self._buffer.int_buf()).cast("P")]
+        self._buffer.clear()
+        batch.get_space_bodies(self._space, batch.BodyFields.POSITION, self._buffer)
+        numbers = memoryview(self._buffer.float_buf()).cast("d").tolist()
+        self._at.update(zip(self._order, zip(numbers[::2], numbers[1::2], strict=True), strict=True))
+        self._stale = False
+
+    def _belt(self, belt: str) -> pymunk.Body:
+        if belt not in self._belts:
+            self._belts[belt] = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        return self._belts[belt]

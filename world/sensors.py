@@ -1,0 +1,37 @@
+"""What a team's sensors show: read from the bodies, never from what was commanded.
+
+That a robot is broken is not sensed.
+"""
+
+from __future__ import annotations
+
+from bus.messages import State
+from world.truth import Thing, Truth
+
+TOLERANCE_M = 0.4
+"""A body within so much of a cell's centre, in x and in y, is seen in that cell; between cells it is nowhere."""
+NOWHERE = "(none)"
+NOBODY = "none"
+
+
+def sense(truth: Truth, team: str) -> State:
+    """Place, attributes and coupling of everything in the team's workspace."""
+    truth.fade()
+    state: State = {}
+    for thing in truth.of(team):
+        kind, name = truth.kind(thing), thing.name
+        state[f"{kind.place}({name})"] = truth.line(thing) if kind.track == "line" else seen_cell(truth, thing)
+        for attribute in kind.attributes:
+            if attribute in thing.attributes:
+                state[f"{attribute}({name})"] = thing.attributes[attribute]
+        if kind.couples:
+            partner = truth.things.get(thing.partner)
+            state[f"{kind.couples}({name})"] = partner.name if partner is not None else NOBODY
+    return state
+
+
+def seen_cell(truth: Truth, thing: Thing) -> str:
+    """``(x,y)``, or ``(none)`` between cells."""
+    x_m, y_m = truth.local(thing)
+    x, y = round(x_m), round(y_m)
+    return f"({x},{y})" if abs(x_m - x) <= TOLERANCE_M and abs(y_m - y) <= TOLERANCE_M else NOWHERE
