@@ -54,10 +54,6 @@ class _Patience:
         # A little early: a search that goes on looks up a few times a second only, and later still on a busy machine.
         self._end = began + 0.99 * search_s if search_s else math.inf
 
-    def keep(self, seconds: float) -> None:
-        """End so much earlier: that long it takes to tell the result."""
-        self._end -= seconds
-
     @property
     def limited(self) -> bool:
         return self._end < math.inf
@@ -102,14 +98,20 @@ def solve(
     domain = load(scenario.domain)
     patience = _Patience(began, scenario.limits.search_s, stop)
     teams = {team: _team(team, scenario, domain, setup, patience) for team in scenario.teams}
-    questions, shown = 0, False
+    questions = 0
+    best: tuple[Shared, JointPlan] | None = None
     while isinstance(result := _advance(teams, setup), Asking):
-        if patience.limited and result.so_far.roles and not shown:
-            before, shown = wall_s(), True
-            _joint(result.so_far, teams, scenario, setup, questions, 0.0)
-            patience.keep(1.5 * (wall_s() - before))
+        so_far = result.so_far
+        if patience.limited and so_far.roles and (best is None or best[0].roles != so_far.roles):
+            # Checked as soon as it is found, so that nothing is left to do when the time is over.
+            best = so_far, _joint(so_far, teams, scenario, setup, questions, 0.0)
         if why := patience.over():
-            result = replace(result.so_far, proof="; ".join(filter(None, [result.so_far.proof, why])))
+            proof = "; ".join(filter(None, [so_far.proof, why]))
+            if best is not None:
+                seconds = wall_s() - began
+                bound = so_far.lower_bound
+                return replace(best[1], lower_bound=bound, proof=proof, questions=questions, seconds=seconds)
+            result = replace(so_far, proof=proof)
             break
         for name, asked in sorted(result.questions.items()):
             progress(f"{result.within} steps: {name} {_words(asked)}{_so_far(result)}")

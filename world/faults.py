@@ -124,6 +124,7 @@ class Faults:
         due = [(tick, name) for tick, name in self.saved.resumes if tick <= self._truth.tick]
         for entry in due:
             self._supervise(ProcessFault("resume", entry[1]))
+            self._node.expect(entry[1])
             self.saved.resumes.remove(entry)
         return bool(due)
 
