@@ -15,6 +15,7 @@ import msgspec
 from msgspec import inspect as types
 
 from bus import events, faults, keys, messages
+from bus.messages import acting, clock, common, envelope, news, sharing, streams
 from bus.scene import Fault
 from ops import scenario
 from ops.cli import parser
@@ -25,10 +26,10 @@ from reasoning.setup import reference
 
 Struct = type[msgspec.Struct]
 
-_SECTION = re.compile(r"# -{8,} (.+)")
 _COMMENT = re.compile(r"\s+# (.+)")
 _KEY = re.compile(r'\s+"(\w+)":')
 _BY_HAND = "<!-- Made by `muster reference`: change the code, not this page. -->\n"
+_GROUPS = (acting, sharing, news, common, streams, clock, envelope)
 _TABLES: dict[str, Struct] = {
     table.__name__.lower(): table for table in (scenario.Clock, scenario.Verdict, scenario.Limits, scenario.Record)
 }
@@ -101,19 +102,18 @@ def _messages() -> Iterator[str]:
     for struct, here in _structs():
         if here != section:
             section = here
-            yield f"## {section[0].upper()}{section[1:]}\n"
+            yield f"## {section}\n"
         yield f"### {struct.__name__}\n\n{_doc(struct) or _answers(struct)}\n"
         yield from _table(["field", "type", "default"], [[f"`{n}`", t, _default(d)] for n, t, d in _typed(struct)])
 
 
 def _structs() -> Iterator[tuple[Struct, str]]:
     """All structs of `bus.messages` in their order, each with the section that it stands in."""
-    lines = inspect.getsource(messages).splitlines()
-    for name, struct in vars(messages).items():
-        if inspect.isclass(struct) and issubclass(struct, msgspec.Struct) and struct is not messages.Body:
-            first = next(number for number, line in enumerate(lines) if line.startswith(f"class {name}("))
-            titles = [found[1] for line in lines[:first] if (found := _SECTION.match(line))]
-            yield struct, "the envelope" if struct is messages.Envelope else titles[-1].partition(" (")[0]
+    for group in _GROUPS:
+        for struct in vars(group).values():
+            own = inspect.isclass(struct) and struct.__module__ == group.__name__
+            if own and issubclass(struct, msgspec.Struct):
+                yield struct, _doc(group).partition(":")[0].rstrip(".")
 
 
 def _answers(struct: Struct) -> str:
@@ -158,7 +158,7 @@ def _words(info: types.Type) -> str:
             return f"list of {_words(item)}"
         case types.DictType(key_type=key, value_type=value):
             return f"map from {_words(key)} to {_words(value)}"
-        case types.StructType(cls=struct) if struct.__module__ == messages.__name__:
+        case types.StructType(cls=struct) if hasattr(messages, struct.__name__):
             return f"[{struct.__name__}](#{struct.__name__.lower()})"
         case types.UnionType(types=options):
             return " or ".join(_words(option) for option in options if not isinstance(option, types.NoneType))

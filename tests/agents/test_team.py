@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from agents.team import Team
 from bus import messages as m
@@ -211,7 +212,7 @@ def test_a_given_plan_that_ends_too_early_is_not_finished(stage: Stage) -> None:
 def test_an_inspection_is_a_step_and_tells_what_was_found(make_system: MakeSystem) -> None:
     stage = Stage(make_system, PAINTER | {"at(c1)": "(2,2)", "attached(c1)": "none"})
     stage.begin(within=20)
-    stage.team._keep(m.msgspec.structs.replace(stage.team.memory, open=(blamed("c1"), blamed("w1"))))
+    stage.team._keep(replace(stage.team.memory, open=(blamed("c1"), blamed("w1"))))
     assert set(stage.ask(m.Enquire(2)).inspect) == {"c1", "w1"}
     result = stage.ask(m.Go(2, 0, recover=True))
     assert (result.outcome, result.inspect) == ("recovered", ())

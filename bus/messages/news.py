@@ -1,0 +1,38 @@
+"""World -> coordinator, supervisor: what has changed."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from bus.messages.basics import Body, Count, Name, Text
+
+
+class Contact(Body, frozen=True):
+    """A process was lost from sight, or is back. Losing contact is not failing. Reply: `Ok`."""
+
+    name: Name
+    state: Literal["present", "lost_contact", "back"]
+
+
+class Order(Body, frozen=True):
+    """Work was added to or taken from a team's order. Reply: `Ok`."""
+
+    team: Name
+    added: tuple[Name, ...] = ()
+    cancelled: tuple[Name, ...] = ()
+
+
+class ProcessFault(Body, frozen=True):
+    """Ask the supervisor to disturb a process, for `for_s` simulated seconds where that applies. Reply: `Ok`."""
+
+    kind: Literal["kill", "pause", "resume", "restart"]
+    target: Name
+
+
+class RunOver(Body, frozen=True):
+    """The coordinator's last word. Reply: `Ok`."""
+
+    goal: bool
+    reason: Text
+    makespan: Count
+    replans: Count
