@@ -131,7 +131,7 @@ class Contacts:
     def _answer(self, name: str, join: Envelope) -> None:
         outbox = self._post.outbox
         told = replace(outbox.seal(Ok(), re=join.id), round=self._members[name].enters)
-        self._post.transport.put(keys.mail(self._post.run, name), encode(told))
+        self._post.transport.put(keys.mail(self._post.run, name, self._post.name), encode(told))
 
     # ------------------------------------------------------------ what is heard
     def _on_join(self, envelope: Envelope) -> None:

@@ -8,13 +8,15 @@ from __future__ import annotations
 import re
 
 WORLD = "world"
+NOBODY = "muster/nobody"
+"""A key that nobody uses."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}")
 """What a run or a process may be called: nothing that has a meaning in a key expression."""
 
 
-def mail(run: str, receiver: str) -> str:
-    """Requests and replies for `receiver`."""
-    return f"muster/{run}/mail/{receiver}"
+def mail(run: str, receiver: str, source: str) -> str:
+    """Requests and replies for `receiver` from `source`."""
+    return f"muster/{run}/mail/{receiver}/{source}"
 
 
 def tick(run: str) -> str:
@@ -63,5 +65,5 @@ def live(run: str, name: str) -> str:
 
 
 def last(key: str) -> str:
-    """The last part of a key: the receiver of mail, the source of everything else."""
+    """The last part of a key: who speaks there."""
     return key.rpartition("/")[2]

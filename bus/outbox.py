@@ -159,7 +159,7 @@ class Outbox:
     def _post(self, to: str, envelope: Envelope) -> None:
         self.total += 1
         self.in_round[to] += 1
-        self._transport.put(keys.mail(self._run, to), encode(envelope))
+        self._transport.put(keys.mail(self._run, to, self._name), encode(envelope))
 
     def _next(self) -> int:
         self._seq += 1

@@ -51,7 +51,7 @@ class Post:
         self._events = 0
         self._beat_wall_s = self._refused_wall_s = 0.0
         self._refused_told: dict[str, int] = {}
-        transport.subscribe(keys.mail(run, name), self.inbox.into(self._on_mail))
+        transport.subscribe(keys.mail(run, name, "*"), self.inbox.into(self._on_mail))
         transport.present(keys.live(run, name))
 
     # ------------------------------------------------------------ from any thread
@@ -81,7 +81,7 @@ class Post:
 
     # ------------------------------------------------------------ mail
     def _on_mail(self, key: str, payload: bytes) -> None:
-        envelope = self.inbox.open(key, payload)
+        envelope = self.inbox.open(key, payload, source=keys.last(key))
         if envelope is None:
             return
         known, self._lives[envelope.src] = self._lives.get(envelope.src, envelope.inc), envelope.inc

@@ -122,7 +122,7 @@ def test_whatever_happens(make_system: MakeSystem, seed: int) -> None:
     """Messages are lost, repeated and reordered, and everybody is killed again and again."""
     dice = random.Random(seed)
     system = dice.choice(SETTINGS)(make_system)
-    system.router.mischief = Mischief("muster/*/mail/*", drop=0.1, repeat=0.1, delay=0.2, hold=6)
+    system.router.mischief = Mischief("muster/*/mail/*/*", drop=0.1, repeat=0.1, delay=0.2, hold=6)
     for _ in range(12):
         victim = dice.choice(["coordinator", "T1", "T2"])
         system[victim].left = dice.randrange(60)

@@ -51,7 +51,7 @@ def live_again_and_again(bus: Bus, home: Path, lives: list[Node]) -> None:
 def test_every_command_counts_once(seed: int, tmp_path: Path, threads: Threads) -> None:
     router = MemoryRouter(seed)
     bus = Bus(router.connect)
-    router.mischief = Mischief("muster/*/mail/*", drop=0.1, repeat=0.1, delay=0.2)
+    router.mischief = Mischief("muster/*/mail/*/*", drop=0.1, repeat=0.1, delay=0.2)
     lives: list[Node] = []
     threads.start(live_again_and_again, bus, tmp_path, lives)
     client = bus.node("client", outsider=True)

@@ -89,9 +89,9 @@ def test_what_was_forgotten_is_neither_repeated_nor_delivered(bus: Bus) -> None:
     request = client.request("server", Observe("T1"), retry_s=0.05)
     client.forget(request)
     reply = envelope(Observed("T1", {}), run=bus.run, src="server", id="server.1.1", re=request)
-    other.put(keys.mail(bus.run, "client"), encode(reply))
+    other.put(keys.mail(bus.run, "client", "server"), encode(reply))
     news = envelope(Observe("T2"), run=bus.run, src="server", id="server.1.2")
-    other.put(keys.mail(bus.run, "client"), encode(news))
+    other.put(keys.mail(bus.run, "client", "server"), encode(news))
     for turn in client.turns():
         if turn.mail:
             assert [message.body for message in turn.mail] == [Observe("T2")]
@@ -108,7 +108,7 @@ def test_a_repeated_request_is_answered_again_but_delivered_once(bus: Bus, threa
         assert isinstance(message, Envelope)
         replies.add(message)
 
-    stranger.subscribe(keys.mail(bus.run, "stranger"), on_reply)
+    stranger.subscribe(keys.mail(bus.run, "stranger", "*"), on_reply)
     request = encode(envelope(Observe("T1"), run=bus.run, src="stranger", id="stranger.1.1"))
     seen: Collected[Envelope] = Collected()
     for life in (1, 2):
@@ -116,7 +116,7 @@ def test_a_repeated_request_is_answered_again_but_delivered_once(bus: Bus, threa
         threads.stops.append(server.stop)
         thread = threads.start(serve, server, seen)
         for copy in (1, 2):
-            stranger.put(keys.mail(bus.run, "server"), request)
+            stranger.put(keys.mail(bus.run, "server", "stranger"), request)
             replies.wait(lambda items, count=2 * life - 2 + copy: len(items) >= count)  # type: ignore[misc]
         server.stop()
         thread.join(10)
@@ -161,7 +161,7 @@ def test_hostile_mail_is_refused_counted_and_told(bus: Bus, server: Node) -> Non
 
     stranger = bus.transport()
     stranger.subscribe(keys.event(bus.run, "server"), on_event)
-    mailbox = keys.mail(bus.run, "server")
+    mailbox = keys.mail(bus.run, "server", "stranger")
     stranger.put(mailbox, b"\xc1")
     stranger.put(mailbox, b"\x93\x01")
     stranger.put(mailbox, encode(envelope(Ping(), run="another")))
@@ -194,10 +194,10 @@ def test_hostile_round_numbers_do_not_keep_mail_for_ever(memory_bus: Bus, thread
     threads.start(serve, agent)
     stranger = memory_bus.transport()
     answers: Collected[str] = Collected()
-    stranger.subscribe(keys.mail(memory_bus.run, "stranger"), lambda key, _: answers.add(key))
+    stranger.subscribe(keys.mail(memory_bus.run, "stranger", "*"), lambda key, _: answers.add(key))
     far = envelope(Observe("T1"), run=memory_bus.run, src="stranger", id="stranger.1.1", round=2**60)
     for receiver in ("world", "T1"):
-        stranger.put(keys.mail(memory_bus.run, receiver), encode(far))
+        stranger.put(keys.mail(memory_bus.run, receiver, "stranger"), encode(far))
     answers.wait(lambda items: len(items) == 1)
 
 
@@ -247,7 +247,7 @@ def test_a_reply_counts_only_from_who_was_asked(bus: Bus, server: Node) -> None:
     client, stranger = bus.node("client", outsider=True), bus.transport()
     request = client.request("server", Observe("T1"))
     forged = envelope(Observed("T1", {"seen": 666}), run=bus.run, src="stranger", re=request)
-    stranger.put(keys.mail(bus.run, "client"), encode(forged))
+    stranger.put(keys.mail(bus.run, "client", "stranger"), encode(forged))
     for turn in client.turns():
         for message in turn.mail:
             assert message.body == Observed("T1", {"seen": 1})

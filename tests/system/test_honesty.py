@@ -79,7 +79,7 @@ class Watched(NamedTuple):
     messages: list[tuple[str, Envelope]]
 
     def mail(self, name: str) -> list[Envelope]:
-        return [envelope for key, envelope in self.messages if key == keys.mail(RUN, name)]
+        return [envelope for key, envelope in self.messages if key.startswith(keys.mail(RUN, name, ""))]
 
     def first(self, kind: str) -> int:
         """The place of the first event of this kind among all messages."""
@@ -150,7 +150,7 @@ def subscriptions(router: Any) -> dict[str, set[str]]:
 
 def test_agents_subscribe_to_their_mail_and_to_the_clock(watched: Watched) -> None:
     for name in AGENTS:
-        assert watched.subscribed[name] == {keys.mail(RUN, name), keys.tick(RUN)}
+        assert watched.subscribed[name] == {keys.mail(RUN, name, "*"), keys.tick(RUN)}
 
 
 def test_the_truth_has_readers_all_the_same(watched: Watched) -> None:
@@ -215,7 +215,7 @@ def test_nobody_hears_of_anything_broken_before_a_team_has_found_out(watched: Wa
     """The world knew all the time, and told the recorder."""
     found_out = watched.first("diagnosis")
     for number, (key, envelope) in enumerate(watched.messages):
-        told = key.startswith((keys.mail(RUN, "T"), keys.mail(RUN, "coordinator"), keys.tick(RUN)))
+        told = key.startswith((f"muster/{RUN}/mail/T", keys.mail(RUN, "coordinator", ""), keys.tick(RUN)))
         if told and b"broken" in msgspec.json.encode(envelope.body):
             assert number > found_out or isinstance(envelope.body, m.StepResult), f"{key}: {envelope.body}"
             return

@@ -71,7 +71,7 @@ def attack(live: Live, over: threading.Event, sent: Counter[str]) -> None:
 def arrows(run: str, draw: random.Random) -> Iterator[tuple[str, bytes]]:
     good = encode(letter(run, m.Observe("T1")))
     for victim in (*VICTIMS, "supervisor", "recorder"):
-        key = keys.mail(run, victim)
+        key = keys.mail(run, victim, STRANGER)
         yield key, b""
         yield key, draw.randbytes(200)
         yield key, good[: draw.randrange(len(good))]
@@ -83,8 +83,9 @@ def arrows(run: str, draw: random.Random) -> Iterator[tuple[str, bytes]]:
         for body in FORGED:
             yield key, encode(letter(run, body))
             yield key, encode(letter(run, body, src="T2", inc=1))
+            yield keys.mail(run, victim, "T2"), encode(letter(run, body, src="T2", inc=1))
     if draw.random() < 0.3:
-        yield keys.mail(run, draw.choice(VICTIMS)), b"\xc6\x7f\xff\xff\xff" + bytes(MAX_BYTES)
+        yield keys.mail(run, draw.choice(VICTIMS), STRANGER), b"\xc6\x7f\xff\xff\xff" + bytes(MAX_BYTES)
     for source in ("T1", "coordinator", "world"):
         for key in (keys.event(run, source), keys.status(run, source), keys.beat(run, source)):
             yield key, encode(letter(run, m.Event("run_over", {"goal": True})))

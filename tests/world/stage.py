@@ -166,4 +166,8 @@ class Stage:
         return [str(event["reason"]) for event in self.events("skill_failed")]
 
     def bodies(self, kind: type[Body], to: str = "") -> list[Any]:
-        return [m.body for key, m in self.sent if isinstance(m.body, kind) and (not to or key == keys.mail("test", to))]
+        return [
+            m.body
+            for key, m in self.sent
+            if isinstance(m.body, kind) and (not to or key.startswith(keys.mail("test", to, "")))
+        ]
