@@ -36,7 +36,8 @@ class Key(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``domain.toml``. `setup` maps a section of the scenario to its keys; the section ``team`` stands once for
     every team, under ``teams.NAME``. `kinds` and `actions` are what the world must know of bodies and skills;
-    `exchanged` is the kind of robot that teams lend one another; `rules` gives the checker's rules in plain words."""
+    `exchanged` is the kind of robot that teams lend one another; `rules` gives the checker's rules in plain words,
+    `why` the members of a clash (`reasoning.why`)."""
 
     name: str
     story: str
@@ -47,6 +48,7 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     exchanged: str = ""
     display: dict[str, Any] = {}
     rules: dict[str, str] = {}
+    why: dict[str, dict[str, str]] = {}
 
 
 @dataclass(frozen=True)

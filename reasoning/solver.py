@@ -83,15 +83,17 @@ def models(
     return found
 
 
+Assumption = tuple[str, tuple[Term, ...], bool]
+
+
 class Solved(NamedTuple):
-    """`satisfiable` is None when the search was stopped. `conflicts` counts this search alone."""
+    """`satisfiable` is None when the search was stopped. `conflicts` counts this search alone. `core` are assumptions
+    that cannot hold together, when the search was unsatisfiable; not always the fewest."""
 
     satisfiable: bool | None
     model: Model | None
     conflicts: int
-
-
-Assumption = tuple[str, tuple[int, ...], bool]
+    core: tuple[Assumption, ...] = ()
 
 
 class Program:
@@ -128,9 +130,7 @@ class Program:
         """One search under assumptions (name, arguments, truth), stopped by its budgets or by `cancelled`, which
         is asked every `SLICE_S`, as `beat` is called. A budget of seconds is kept to a few hundredths."""
         self.control.configuration.solve.solve_limit = f"{conflicts},umax" if conflicts else "umax,umax"  # type: ignore[union-attr]
-        symbols = [
-            (clingo.Function(name, [clingo.Number(a) for a in args]), truth) for name, args, truth in assumptions
-        ]
+        symbols = [(clingo.Function(name, [_symbol(a) for a in args]), truth) for name, args, truth in assumptions]
         found: list[Model] = []
 
         def keep(model: clingo.Model) -> bool:
@@ -146,9 +146,11 @@ class Program:
                     handle.cancel()
                     break
             result = handle.get()
+            refuted = set(handle.core()) if result.unsatisfiable else set()
         done = None if result.satisfiable is None or (result.interrupted and not found) else bool(result.satisfiable)
         used = int(self.control.statistics["solving"]["solvers"]["conflicts"])
-        return Solved(done, found[0] if found else None, used)
+        core = self._told(assumptions, symbols, refuted) if done is False else ()
+        return Solved(done, found[0] if found else None, used, core)
 
     def cheapest(self) -> Model | None:
         """A model that is proved best by the program's preferences; None when there is no model."""
@@ -169,6 +171,18 @@ class Program:
         with self.control.solve(yield_=True) as handle:
             return [_model(model) for model in handle]
 
+    def _told(
+        self, assumptions: Sequence[Assumption], symbols: Sequence[tuple[clingo.Symbol, bool]], refuted: set[int]
+    ) -> tuple[Assumption, ...]:
+        """The assumptions behind the solver's literals; one about an atom that does not exist cannot be true."""
+        atoms = self.control.symbolic_atoms
+        known = [(a, atoms[symbol], truth) for a, (symbol, truth) in zip(assumptions, symbols, strict=True)]
+        return tuple(
+            assumption
+            for assumption, atom, truth in known
+            if (truth if atom is None else (atom.literal if truth else -atom.literal) in refuted)
+        )
+
     @contextmanager
     def _door(self) -> Iterator[None]:
         failed = None
@@ -185,6 +199,10 @@ class Program:
 def _model(model: clingo.Model) -> Model:
     atoms = sorted(model.symbols(shown=True))
     return Model(tuple(Atom(a.name, tuple(_plain(x) for x in a.arguments)) for a in atoms), tuple(model.cost))
+
+
+def _symbol(term: Term) -> clingo.Symbol:
+    return clingo.Number(term) if isinstance(term, int) else clingo.parse_term(term)
 
 
 def _plain(symbol: clingo.Symbol) -> Term:
