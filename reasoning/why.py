@@ -4,7 +4,8 @@ A domain's programs ``why*.lp`` put a guard, ``use(G)``, before each of the goal
 question is about, and say which there are: ``group(G,K)``. Guards stand in constraints alone, so what is possible stays
 possible when fewer of them are assumed, and a set that cannot be assumed together, but can without any one of its
 members, is an explanation. It is found by leaving out: from the solver's own core of what clashes, several members at a
-time are left out as long as the others clash, those with the least K first. In the end every member is tried again.
+time are left out as long as the others clash, those with the least K first. The result is then checked by a solver that
+knows nothing of this search: all members clash, and without any one of them there is a way.
 """
 
 from __future__ import annotations
@@ -21,10 +22,12 @@ Progress = Callable[[str], None]
 @dataclass(frozen=True)
 class Clash:
     """`members` cannot hold together. `without[G]` is what is possible when G alone is left out: they are as many as
-    the members, unless the search ended before, and then it is open whether the others are needed."""
+    the members, unless the search ended before, and then it is open whether the others are needed. `checked`: a solver
+    of its own refuted all of them together."""
 
     members: tuple[str, ...]
     without: Mapping[str, Model] = field(default_factory=dict)
+    checked: bool = False
     searches: int = 0
     conflicts: int = 0
     seconds: float = 0.0
@@ -51,19 +54,19 @@ class Unknown:
 
 
 def explain(
-    program: Program,
+    make: Callable[[], Program],
     *,
     conflicts: int | None = None,
     seconds: float | None = None,
     clock: Clock = lambda: 0.0,
     on_progress: Progress = lambda _: None,
 ) -> Clash | Possible | Unknown:
-    """A minimal clash among all groups of a grounded program, or a way if there is none.
+    """A minimal clash among all groups of a program, or a way if there is none. `make` loads and grounds it.
 
     `conflicts` bounds each search for a smaller clash, `seconds` of the clock all searches together. Raises ValueError
     when the program has no model even without any group: then there is nothing that could be told.
     """
-    return _Search(program, conflicts, seconds, clock, on_progress).run()
+    return _Search(make, conflicts, seconds, clock, on_progress).run()
 
 
 def clashes(program: Program, members: Sequence[str], *, seconds: float | None = None) -> bool | None:
@@ -80,75 +83,87 @@ class _Search:
     """One question: its budgets, and what was counted."""
 
     def __init__(
-        self, program: Program, conflicts: int | None, seconds: float | None, clock: Clock, on_progress: Progress
+        self,
+        make: Callable[[], Program],
+        conflicts: int | None,
+        seconds: float | None,
+        clock: Clock,
+        on_progress: Progress,
     ) -> None:
-        self._program, self._each, self._clock, self._tell = program, conflicts, clock, on_progress
+        self._make, self._each, self._clock, self._tell = make, conflicts, clock, on_progress
         self._began = clock()
         self._end = None if seconds is None else self._began + seconds
         self._searches = self._conflicts = 0
         self._groups: tuple[str, ...] = ()
 
     def run(self) -> Clash | Possible | Unknown:
-        free = self._program.solve([])
+        program = self._make()
+        free = program.solve([])
         if free.model is None:
             raise ValueError("the program has no model, whatever is left out")
         self._groups = _groups(free.model)
-        first = self._try(self._groups, None)
+        first = self._try(program, self._groups, None)
         if first.model is not None:
             return Possible(first.model)
         if first.satisfiable is None:
             return Unknown(self._conflicts, self._clock() - self._began)
-        members = self._shrink(self._core(self._groups, first))
-        without = self._verify(members)
-        return Clash(members, without, self._searches, self._conflicts, self._clock() - self._began)
+        members = self._shrink(program, _core(self._groups, first))
+        members, without, checked = self._check(members)
+        return Clash(members, without, checked, self._searches, self._conflicts, self._clock() - self._began)
 
-    def _shrink(self, members: tuple[str, ...]) -> tuple[str, ...]:
-        """Leave out as many as possible, in their order: as many at a time as went well before, and twice as many."""
+    def _shrink(self, program: Program, members: tuple[str, ...]) -> tuple[str, ...]:
+        """Leave out as many as possible, in their order; twice as many at a time as went well before."""
         at, size = 0, 1
         while at < len(members) and not self._over():
             size = min(size, len(members) - at)
             self._tell(f"{len(members)} members clash, {at} of them are needed")
             rest = members[:at] + members[at + size :]
-            solved = self._try(rest, self._each)
+            solved = self._try(program, rest, self._each)
             if solved.satisfiable is False:
-                core = set(self._core(rest, solved))
+                core = _core(rest, solved)
                 at = sum(member in core for member in members[:at])
-                members, size = tuple(member for member in rest if member in core), size * 2
+                members, size = core, size * 2
             elif size > 1:
                 size //= 2
             else:
                 at += 1
         return members
 
-    def _verify(self, members: tuple[str, ...]) -> dict[str, Model]:
-        """What is possible without each member, and that nothing is with all."""
-        without = {}
+    def _check(self, members: tuple[str, ...]) -> tuple[tuple[str, ...], dict[str, Model], bool]:
+        """All of the members clash, and what is possible without each; of fewer, if a try that ended without an answer
+        before succeeds now."""
+        program = self._make()
+        without: dict[str, Model] = {}
+        refuted = self._try(program, members, None)
+        if refuted.model is not None:
+            raise AssertionError(f"these members do not clash: {', '.join(members)}")
         for member in members:
-            if self._over():
-                break
-            self._tell(f"{len(members)} members clash, {len(without)} of them were tried once more")
-            solved = self._try(tuple(m for m in members if m != member), self._each)
-            if solved.satisfiable is False:  # only if an earlier try ended without an answer
-                return self._verify(self._core(members, solved))
+            self._tell(f"{len(members)} members clash, {len(without)} of them were checked")
+            rest = tuple(m for m in members if m != member)
+            solved = self._try(program, rest, self._each)
+            if solved.satisfiable is False:
+                return self._check(_core(rest, solved))
             if solved.model is not None:
                 without[member] = solved.model
-        return without
+        return members, without, refuted.satisfiable is False
 
-    def _try(self, members: tuple[str, ...], conflicts: int | None) -> Solved:
+    def _try(self, program: Program, members: tuple[str, ...], conflicts: int | None) -> Solved:
         chosen = set(members)
         assumed: list[Assumption] = [("use", (group,), group in chosen) for group in self._groups]
         left = None if self._end is None else max(self._end - self._clock(), 0.0)
-        solved = self._program.solve(assumed, conflicts=conflicts, seconds=left)
+        solved = program.solve(assumed, conflicts=conflicts, seconds=left)
         self._searches += 1
         self._conflicts += solved.conflicts
         return solved
 
-    def _core(self, members: tuple[str, ...], solved: Solved) -> tuple[str, ...]:
-        core = {args[0] for _, args, truth in solved.core if truth}
-        return tuple(member for member in members if member in core)
-
     def _over(self) -> bool:
         return self._end is not None and self._clock() >= self._end
+
+
+def _core(members: tuple[str, ...], solved: Solved) -> tuple[str, ...]:
+    """Those of the members that the solver used. That others were left out cannot have been a reason."""
+    core = {args[0] for _, args, truth in solved.core if truth}
+    return tuple(member for member in members if member in core)
 
 
 def _groups(model: Model) -> tuple[str, ...]:
