@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
-import msgspec
 from msgspec.structs import replace
 
-from agents import course, memory, recovery
+from agents import course, memory, recovery, telling
 from agents.memory import Begun, Course, Memory
 from agents.questions import Planning, Prospects
+from agents.setups import TeamSetup, read
 from agents.skills import actions_of
 from agents.thinker import Thinker
 from bus import messages as m
@@ -27,20 +26,10 @@ from reasoning import domain as domains
 COORDINATOR = "coordinator"
 
 
-class Setup(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``T1.json``: all that a team is told at its start. `conflicts` bounds the search for one answer (None: no
-    bound)."""
-
-    domain: str
-    team: str
-    static: dict[str, m.Value]
-    conflicts: int | None = None
-
-
 class Team:
     """Reacts to one message at a time. Every request that it answers may come again; every answer is journalled."""
 
-    def __init__(self, node: Node, setup: Setup, thinker: Thinker) -> None:
+    def __init__(self, node: Node, setup: TeamSetup, thinker: Thinker) -> None:
         self.node, self.setup, self.thinker = node, setup, thinker
         self.domain = domains.load(setup.domain)
         self.memory = memory.load(node.journal)
@@ -55,9 +44,8 @@ class Team:
     # ------------------------------------------------------------ turns
     def turn(self, mail: tuple[Envelope, ...]) -> None:
         if not self._up:  # not before: only now the time is known
-            self._up, back = True, self.node.incarnation > 1
-            text = f"{self.node.name} is {'back' if back else 'up'}"
-            self.node.emit("started", text, incarnation=self.node.incarnation, role="team", recovered=back)
+            self._up = True
+            telling.up(self.node, "team")
         for envelope in mail:
             if envelope.re:
                 react = self._waiting.pop(envelope.re, None)
@@ -363,10 +351,7 @@ class Team:
 
 def main() -> int:
     config = arguments(sys.argv[1:])
-    if config.setup is None:
-        print("agents.team: --setup FILE is needed: the team's name, domain and constants", file=sys.stderr)
-        return 2
-    setup = msgspec.json.decode(Path(config.setup).read_bytes(), type=Setup)
+    setup = read(config, TeamSetup)
     with open_node(config) as node, Thinker(node, threaded=config.mode == "realtime") as thinker:
         team = Team(node, setup, thinker)
         for turn in node.turns():

@@ -55,7 +55,7 @@ class Stage:
     def contact(self, team: str, state: Any) -> None:
         """The world tells, and the coordinator has heard it."""
         self.system.contact(team, state)
-        self.system.until(lambda: (team in self.system.coordinator.live) is (state == "back"))
+        self.system.until(lambda: (team in self.system.coordinator.members.live) is (state == "back"))
 
     def to(self, phase: str) -> None:
         """Both teams are on course; go on to this phase, in which they have been asked and nobody has answered."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from agents.coordinator import GivenPlan
+from agents.setups import GivenPlan
 from bus import messages as m
 from tests.agents.conducting import T1, T2, Stage
 from tests.agents.conftest import MakeSystem
@@ -30,7 +30,7 @@ def test_who_is_lost_is_not_waited_for(stage: Stage, phase: str) -> None:
     stage.contact(lost, "lost_contact")
     if phase == "stepping":
         stage.steps(other)
-    stage.offers(other, step=stage.system.coordinator.step)
+    stage.offers(other, step=stage.system.coordinator.steps.step)
     assert stage.epoch == epoch + 1
     stage.adopts(other)
     assert stage.hear(other, m.Go).body.epoch == stage.epoch
@@ -76,7 +76,7 @@ def test_who_was_lost_is_not_asked_by_the_next_life_either(stage: Stage) -> None
     stage.contact(T2, "back")
     stage.steps(T1)
     stage.offers(T2)
-    assert stage.system.coordinator.live == {T1, T2}
+    assert stage.system.coordinator.members.live == {T1, T2}
 
 
 def test_a_suspect_whose_team_is_lost_holds_nobody_up(stage: Stage) -> None:
@@ -102,7 +102,7 @@ def test_answers_to_questions_of_the_past_change_nothing(stage: Stage) -> None:
     stage.reply(T1, old, m.Standing(1, T1, 7, True, 0))
     stage.offers(T1)
     stage.offers(T2)
-    assert stage.system.coordinator.step == 0
+    assert stage.system.coordinator.steps.step == 0
     assert stage.system.coordinator.phase == "adopting"
 
 
@@ -188,5 +188,5 @@ def test_only_the_world_tells_news(make_system: MakeSystem, body: m.Body) -> Non
     for _ in range(3):
         stage.system.tick()
     coordinator = stage.system.coordinator
-    assert (coordinator.diary, coordinator.phase, coordinator.live) == (before, "asking", {T1, T2})
+    assert (coordinator.diary, coordinator.phase, coordinator.members.live) == (before, "asking", {T1, T2})
     assert coordinator.node.post.inbox.refused == {"not_yours": 1}

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from agents.coordinator import GivenPlan
+from agents.setups import GivenPlan
 from bus.memory_transport import Mischief
 from bus.messages import Exchange, Inject
 from tests.agents.conftest import MakeSystem

@@ -11,7 +11,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, Protocol
 
-from agents import coordinator, team
+from agents import setups
 from agents.coordinator import Coordinator
 from agents.team import Team
 from agents.thinker import Thinker
@@ -136,7 +136,7 @@ class System:
         self,
         home: Path,
         rooms: Mapping[str, State],
-        plan: coordinator.GivenPlan | None = None,
+        plan: setups.GivenPlan | None = None,
         puppets: tuple[str, ...] = (),
     ) -> None:
         self.home, self.run = home, "test"
@@ -144,14 +144,14 @@ class System:
         self.now_s = 0.0
         self.events: list[tuple[str, Event]] = []
         self.router.connect().subscribe("muster/test/event/*", self._hear)
-        setup = coordinator.Setup(tuple(rooms), DELAY, plan)
+        setup = setups.CoordinatorSetup(tuple(rooms), DELAY, plan)
         makers: dict[str, Callable[[Node], Mind]] = {
             "supervisor": Supervisor,
             "world": lambda node: World(node, rooms),
             "coordinator": lambda node: Coordinator(node, setup),
         }
         for name in rooms:
-            made = team.Setup(DOMAIN, name, STATIC)
+            made = setups.TeamSetup(DOMAIN, name, STATIC)
             makers[name] = lambda node, made=made: Team(node, made, Thinker(node, threaded=False))
         makers |= dict.fromkeys(puppets, Puppet)
         self.processes = {name: Process(self, name, make) for name, make in makers.items()}

@@ -81,9 +81,9 @@ def test_compiled_files_say_no_more_than_a_process_may_know(name: str, tmp_path:
 
 def test_the_agents_take_the_files(tmp_path: Path) -> None:
     """The agents define these types; ops may not import them, a test may."""
-    from agents import coordinator, team
+    from agents.setups import CoordinatorSetup, TeamSetup
 
     compiled = compile_scenario(load("factory/four_teams"))
     compiled.write(tmp_path)
-    assert msgspec.json.decode((tmp_path / "coordinator.json").read_bytes(), type=coordinator.Setup).teams == TEAMS
-    assert msgspec.json.decode((tmp_path / "T2.json").read_bytes(), type=team.Setup).team == "T2"
+    assert msgspec.json.decode((tmp_path / "coordinator.json").read_bytes(), type=CoordinatorSetup).teams == TEAMS
+    assert msgspec.json.decode((tmp_path / "T2.json").read_bytes(), type=TeamSetup).team == "T2"

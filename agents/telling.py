@@ -1,0 +1,79 @@
+"""What agents tell of their work, for the record and for people who watch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from msgspec.structs import asdict
+
+from agents.adoption import Adoption
+from agents.search import Search
+from bus.messages import Answer, Exchange, Question, Status
+from bus.node import Node
+from reasoning.sharing import Shared
+
+
+def up(node: Node, role: str) -> None:
+    """The first word of a process, said in its first turn: only then the time is known."""
+    back = node.incarnation > 1
+    text = f"{node.name} is {'back' if back else 'up'}"
+    node.emit("started", text, incarnation=node.incarnation, role=role, recovered=back)
+
+
+def answered(node: Node, team: str, answer: Answer) -> None:
+    q = answer.question
+    node.emit(
+        "question",
+        f"{team} {_words(q)}: {answer.verdict}",
+        epoch=answer.epoch,
+        team=team,
+        role=q.kind,
+        within=q.within,
+        step=q.step,
+        verdict=answer.verdict,
+    )
+
+
+def bounds(node: Node, epoch: int, search: Search) -> None:
+    known = f"; one of {search.best} is known" if search.best > 0 else ""
+    text = f"no shared plan is shorter than {search.bound} steps{known}"
+    node.emit("bound", text, epoch=epoch, lower=search.bound, best=search.best)
+
+
+def adopted(node: Node, epoch: int, adoption: Adoption, questions: int, exchanges: Sequence[Exchange]) -> None:
+    plan, makespan = adoption.plan, adoption.makespan
+    status, proof = (plan.status, plan.proof) if isinstance(plan, Shared) else ("given", "given, not searched")
+    node.emit(
+        "shared_plan",
+        f"shared plan of {makespan} steps from step {adoption.start} on, {status}: {proof}",
+        epoch=epoch,
+        start=adoption.start,
+        makespan=makespan,
+        status=status,
+        proof=proof,
+        questions=questions,
+        exchanges=[asdict(x) for x in exchanges],
+    )
+    for x in exchanges:
+        text = f"{x.giver} lends {x.robot} to {x.taker}: given in step {x.give_step}, taken in step {x.take_step}"
+        node.emit("exchange", text, **asdict(x))
+
+
+def status(doing: str, step: int, epoch: int, over: bool, search: Search, exchanges: tuple[Exchange, ...]) -> Status:
+    """What the coordinator is doing now."""
+    return Status(
+        "coordinator",
+        doing,
+        step,
+        bound=search.bound,
+        best=search.best,
+        epoch=epoch,
+        questions=search.asked,
+        finished=over,
+        exchanges=exchanges,
+    )
+
+
+def _words(q: Question) -> str:
+    how = {"alone": "alone", "lend": f"lending by step {q.step}", "borrow": f"borrowing from step {q.step} on"}[q.kind]
+    return f"in {q.within} steps {how}"
