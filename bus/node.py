@@ -193,5 +193,5 @@ def open_node(config: NodeConfig, transport: Transport | None = None) -> Node:
     if transport is None:
         from bus import zenoh_transport  # only now: tests with the in-memory twin do without Zenoh
 
-        transport = zenoh_transport.connect(config.connect)
+        transport = zenoh_transport.connect(config.connect, config.identity)
     return Node(config, transport, journal)

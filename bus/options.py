@@ -18,7 +18,8 @@ class NodeConfig(NamedTuple):
 
     `home` is the run's directory, None to keep the journal in memory. `factor` is simulated per wall seconds in
     ``realtime``. An `outsider` (supervisor, command line, recorder) watches the clock but takes no part in it: its
-    mail is handled as it arrives and its timers run on the wall.
+    mail is handled as it arrives and its timers run on the wall. `identity` is the folder of its certificate, for a
+    secure router (see `bus.access`).
     """
 
     run: str
@@ -30,6 +31,7 @@ class NodeConfig(NamedTuple):
     factor: float = 1.0
     seed: int = 0
     outsider: bool = False
+    identity: Path | None = None
 
 
 def arguments(argv: list[str] | None = None, *, name: str = "") -> NodeConfig:
@@ -49,9 +51,10 @@ def arguments(argv: list[str] | None = None, *, name: str = "") -> NodeConfig:
 
     add("run", _name, "name of the run")
     add("name", _name, "name of this process")
-    add("connect", str, "the router's endpoint, tcp/HOST:PORT")
+    add("connect", str, "the router's endpoint, tcp/HOST:PORT or tls/HOST:PORT")
     add("home", Path, "directory of the run, for journals; none: nothing is kept")
     add("setup", _file, "file that tells the process what it must know")
+    add("identity", Path, "folder of this process's certificate, for a secure router")
     add("clock", _clock, "fast, realtime, or realtime:FACTOR (simulated per wall seconds)")
     add("seed", int, "seed of everything random")
     given = vars(parser.parse_args(argv))

@@ -6,6 +6,7 @@ import argparse
 import os
 import signal
 import sys
+from pathlib import Path
 
 from bus.transport import TransportError
 
@@ -18,17 +19,18 @@ def main(argv: list[str] | None = None) -> int:
         prog="python -m bus.router", description="The router that joins the processes of a run."
     )
     parser.add_argument("--connect", default=os.environ.get("MUSTER_CONNECT", DEFAULT), help="endpoint to listen on")
-    endpoint = parser.parse_known_args(argv)[0].connect  # the options that every other process takes mean nothing here
+    parser.add_argument("--identity", type=Path, default=os.environ.get("MUSTER_IDENTITY"), help="makes it secure")
+    given = parser.parse_known_args(argv)[0]  # the options that every other process takes mean nothing here
     # Blocked, for all threads to come, and waited for: a handler might interrupt the very wait that it is to end.
     ends = (signal.SIGTERM, signal.SIGINT)
     signal.pthread_sigmask(signal.SIG_BLOCK, ends)
     from bus.zenoh_transport import open_router  # only now: Zenoh may start threads
 
     try:
-        with open_router(endpoint):
-            print(f"router: listening on {endpoint}", flush=True)
+        with open_router(given.connect, given.identity):
+            print(f"router: listening on {given.connect}", flush=True)
             signal.sigwait(ends)
-    except TransportError as error:
+    except (TransportError, OSError) as error:
         print(f"router: {error}", file=sys.stderr)
         return 2
     return 0

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import json
 import threading
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import zenoh
 import zenoh.ext
 from zenoh.handlers import Callback, RingChannel
 
+from bus import keys
+from bus.access import ACCESS, AUTHORITY, CERTIFICATE, PRIVATE_KEY
 from bus.transport import Notice, Receive, TransportError
 
 # The link's lease is longer than the clock's lease for participants (3 s): a process that is stopped must be found
@@ -33,38 +36,62 @@ CLIENT = {
 }
 
 
-def connect(endpoint: str) -> ZenohTransport:
-    """Connect to the router at `endpoint`, waiting up to 15 s for it.
+def connect(endpoint: str, identity: Path | None = None) -> ZenohTransport:
+    """Connect to the router at `endpoint`, waiting up to 15 s for it; to a secure one with an `identity` (see
+    `bus.access`).
 
     Raises TransportError when it is not there.
     """
-    return ZenohTransport(open_client(endpoint))
+    return ZenohTransport(open_client(endpoint, identity))
 
 
-def open_client(endpoint: str) -> zenoh.Session:
+def open_client(endpoint: str, identity: Path | None = None) -> zenoh.Session:
     """A bare session, as `connect` uses it.
 
     Raises TransportError when there is no router.
     """
+    settings = {**CLIENT, **_tls(identity, "connect")} if identity else CLIENT
     try:
-        return zenoh.open(_config("client", connect=[endpoint], settings=CLIENT))
+        return zenoh.open(_config("client", connect=[endpoint], settings=settings))
     except zenoh.ZError as error:
-        raise TransportError(f"no router answers at {endpoint}: start one with python -m bus.router") from error
+        text = f"no router answers at {endpoint}: start one with python -m bus.router"
+        if endpoint.startswith("tls"):
+            text += "; or it does not take this identity" if identity else "; a secure one wants an --identity"
+        raise TransportError(text) from error
 
 
-def open_router(endpoint: str) -> zenoh.Session:
-    """Be the router at `endpoint` until the session is closed.
+def open_router(endpoint: str, identity: Path | None = None) -> zenoh.Session:
+    """Be the router at `endpoint` until the session is closed. With an `identity` it takes only clients that prove
+    theirs, and lets them do only what the access control in its folder allows.
 
-    Raises TransportError when the endpoint cannot be listened on.
+    Raises TransportError when the endpoint cannot be listened on, OSError when the identity cannot be read.
     """
+    settings: dict[str, Any] = {}
+    if identity is not None:
+        access = json.loads((identity / ACCESS).read_text())
+        settings = {**_tls(identity, "listen"), "access_control": access, "transport/link/protocols": ["tls"]}
     try:
-        return zenoh.open(_config("router", listen=[endpoint], settings={}))
+        return zenoh.open(_config("router", listen=[endpoint], settings=settings))
     except zenoh.ZError as error:
         if "in use" in str(error):
             text = f"{endpoint} is in use: is another run going on? Stop it, or choose another port."
         else:
-            text = f"cannot listen on {endpoint}, expected tcp/HOST:PORT: {str(error).partition(' at /')[0]}"
+            expected = "tls/HOST:PORT" if identity else "tcp/HOST:PORT"
+            text = f"cannot listen on {endpoint}, expected {expected}: {str(error).partition(' at /')[0]}"
         raise TransportError(text) from error
+
+
+def _tls(identity: Path, side: Literal["connect", "listen"]) -> dict[str, Any]:
+    files = {
+        "root_ca_certificate": AUTHORITY,
+        f"{side}_certificate": CERTIFICATE,
+        f"{side}_private_key": PRIVATE_KEY,
+    }
+    return {
+        **{f"transport/link/tls/{setting}": str(identity / file) for setting, file in files.items()},
+        "transport/link/tls/enable_mtls": True,
+        "transport/link/tls/verify_name_on_connect": True,
+    }
 
 
 def _config(mode: str, settings: dict[str, Any], listen: tuple[str, ...] | list[str] = (), connect: Any = ()) -> Any:
@@ -131,7 +158,7 @@ class ZenohTransport:
     def _settle(self) -> None:
         """Return when the router knows what was declared before (it answers in order): who has subscribed misses
         nothing that is sent afterwards."""
-        for _ in self._session.liveliness().get("muster/nobody", timeout=2.0):
+        for _ in self._session.liveliness().get(keys.NOBODY, timeout=2.0):
             pass
 
     def present(self, key: str) -> None:

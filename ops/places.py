@@ -19,9 +19,10 @@ def scenario_file(name: str) -> Path:
     """The file that a user means by a path or by ``domain/name``. Raises `InputError`."""
     if Path(name).is_file():
         return Path(name)
+    domain, _, short = name.partition("/")
+    if domain in domains() and short in load(domain).scenarios:  # whatever is wrong with another domain
+        return load(domain).scenarios[short]
     known = shipped()
-    if name in known:
-        return known[name]
     near = [other for other in known if name.split("/")[-1] in other] or list(known)
     raise InputError(f"{name}: neither a file nor a shipped scenario. There are: {', '.join(near)}")
 

@@ -13,7 +13,8 @@ RESERVED = (ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard")
 @dataclass(frozen=True)
 class Layout:
     """What the commands of a run depend on. `home` holds journals and logs, `setups` the NAME.json files, `listen` is
-    where the router listens if that differs from where the others connect to."""
+    where the router listens if that differs from where the others connect to; `identities` has a folder for each
+    process when the run is secure (see `bus.access`)."""
 
     run: str
     teams: Sequence[str]
@@ -25,11 +26,13 @@ class Layout:
     seed: int = 0
     python: str = "python"
     listen: str = ""
+    identities: PurePath | None = None
 
 
 def commands(layout: Layout) -> dict[str, list[str]]:
     """The command of each process, in the order in which they are started."""
-    result = {ROUTER: [layout.python, "-m", "bus.router", "--connect", layout.listen or layout.connect]}
+    router = [layout.python, "-m", "bus.router", "--connect", layout.listen or layout.connect]
+    result = {ROUTER: [*router, *_identity(layout, ROUTER)]}
     result[RECORDER] = [*_start(layout, "ops.recorder", RECORDER), "--record", str(layout.record)]
     result[WORLD] = [*_start(layout, "world", WORLD), *_setup(layout, WORLD)]
     result[COORDINATOR] = [*_start(layout, "agents.coordinator", COORDINATOR), *_setup(layout, COORDINATOR)]
@@ -40,7 +43,12 @@ def commands(layout: Layout) -> dict[str, list[str]]:
 
 def _start(layout: Layout, module: str, name: str) -> list[str]:
     command = [layout.python, "-m", module, "--run", layout.run, "--name", name, "--connect", layout.connect]
-    return [*command, "--home", str(layout.home), "--clock", layout.clock, "--seed", str(layout.seed)]
+    command += ["--home", str(layout.home), "--clock", layout.clock, "--seed", str(layout.seed)]
+    return [*command, *_identity(layout, name)]
+
+
+def _identity(layout: Layout, name: str) -> list[str]:
+    return ["--identity", str(layout.identities / name)] if layout.identities else []
 
 
 def _setup(layout: Layout, name: str) -> list[str]:

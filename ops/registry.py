@@ -14,13 +14,19 @@ from ops.tables import InputError
 
 
 class Running(msgspec.Struct, frozen=True):
-    """One running system: its name, the router's endpoint, its directory, and the supervisor's process."""
+    """One running system: its name, the router's endpoint, its directory, the supervisor's process, and the folder of
+    an operator's identity when it is secure."""
 
     run: str
     connect: str
     home: str
     pid: int
     scenario: str
+    identity: str = ""
+
+    def proof(self) -> Path | None:
+        """The identity as the bus takes it."""
+        return Path(self.identity) if self.identity else None
 
 
 @contextlib.contextmanager
@@ -49,10 +55,10 @@ def listing() -> list[Running]:
     return [running for _, running in sorted(found, key=lambda pair: pair[0])]
 
 
-def find(run: str | None = None, connect: str | None = None) -> Running:
+def find(run: str | None = None, connect: str | None = None, identity: str | None = None) -> Running:
     """The system that a user means. Raises `InputError` when there is none or several.
 
-    With `connect` it may be on another machine, and then its name must be given.
+    With `connect` it may be on another machine, and then its name must be given, and an `identity` if it is secure.
     """
     if connect is not None:
         known = [running for running in listing() if running.connect == connect]
@@ -60,7 +66,7 @@ def find(run: str | None = None, connect: str | None = None) -> Running:
             raise InputError(
                 f"--connect {connect}: say which run with --run NAME; muster run prints its name at the start"
             )
-        return Running(run or known[-1].run, connect, "", 0, "")
+        return Running(run or known[-1].run, connect, "", 0, "", identity or "")
     running = listing()
     chosen = [one for one in running if run in (None, one.run)]
     names = ", ".join(one.run for one in running) or "none"

@@ -15,12 +15,14 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
+from bus.access import OPERATOR
 from bus.clock import wall_s
 from bus.messages import Envelope, ProcessFault, RunOver
 from bus.node import NodeConfig
 from bus.transport import Transport
 from ops import registry
 from ops.compile import Compiled, compile_scenario
+from ops.identities import issue
 from ops.plans import read_plan
 from ops.processes import RECORDER, ROUTER, SUPERVISOR, Layout, commands
 from ops.recording import load, parts_of
@@ -52,12 +54,14 @@ class Show(Protocol):
 @dataclass(frozen=True)
 class Options:
     """How to run a scenario. `record` is the directory of the recording (None: one that is thrown away when all is
-    well), `port` the router's (0: any that is free), `host` the address that it listens on."""
+    well), `port` the router's (0: any that is free), `host` the address that it listens on; `secure`: every process
+    proves who it is, and may do only what is its business."""
 
     record: Path | None = None
     plan: Path | None = None
     port: int = 0
     host: str = HOST
+    secure: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,26 +85,34 @@ def execute(scenario: Scenario, options: Options, show: Show) -> Outcome:
     run = registry.new_name(scenario.name)
     home = _home(run, options.record)
     compiled.write(home)
+    link, host = "tls" if options.secure else "tcp", options.host if options.host not in EVERYWHERE else HOST
     layout = Layout(
         run=run,
         teams=compiled.teams,
-        connect=f"tcp/{options.host if options.host not in EVERYWHERE else HOST}:{port}",
-        listen=f"tcp/{options.host}:{port}",
+        connect=f"{link}/{host}:{port}",
+        listen=f"{link}/{options.host}:{port}",
         home=home,
         setups=home,
         record=home,
         clock=scenario.clock.option(),
         seed=scenario.seed,
         python=sys.executable,
+        identities=home / "identities" if options.secure else None,
     )
-    running = registry.Running(run, layout.connect, str(home), registry.own_pid(), str(scenario.path))
+    operator = str(home / "identities" / OPERATOR) if options.secure else ""
+    running = registry.Running(run, layout.connect, str(home), registry.own_pid(), str(scenario.path), operator)
     try:
+        if options.secure:
+            names = [*commands(layout), SUPERVISOR]
+            issue(home / "identities", run, [host, "localhost"], [name for name in names if name != ROUTER])
         with registry.registered(running):
             over, stopped, pids = _conduct(layout, compiled, show)
     except BaseException:
         if options.record is None:
             shutil.rmtree(home, ignore_errors=True)
         raise
+    finally:
+        shutil.rmtree(home / "identities", ignore_errors=True)
     report = _judge(scenario, home, over, stopped)
     kept = options.record is not None or report.exit_code != scenario.verdict.exit
     if not kept:
@@ -162,7 +174,8 @@ class _Run:
 
     def config(self) -> NodeConfig:
         home = Path(self._layout.home)
-        return NodeConfig(self._layout.run, SUPERVISOR, self._layout.connect, home, outsider=True)
+        identity = home / "identities" / SUPERVISOR if self._layout.identities else None
+        return NodeConfig(self._layout.run, SUPERVISOR, self._layout.connect, home, outsider=True, identity=identity)
 
     def ears(self, boss: Supervisor) -> Ears:
         """What the seat hears is done on the supervisor's thread."""

@@ -44,3 +44,6 @@ def running_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--connect", metavar="ENDPOINT", help="its router, tcp/HOST:PORT, when it is on another machine (with --run)"
     )
+    parser.add_argument(
+        "--identity", metavar="DIR", help="with --connect tls/HOST:PORT: a copy of the run's folder identities/operator"
+    )

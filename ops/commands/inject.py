@@ -6,13 +6,14 @@ import argparse
 import os
 import re
 
+from bus.access import OPERATOR
 from bus.faults import KINDS
 from bus.messages import Inject, Injected
 from bus.node import NoAnswer, NodeConfig, open_node
 from bus.transport import TransportError
 from ops.commands.common import json_option, print_json, running_options
 from ops.faultwords import problem, usage
-from ops.registry import find
+from ops.registry import Running, find
 from ops.tables import InputError
 
 PATIENCE_S = 10.0
@@ -32,8 +33,8 @@ def execute(args: argparse.Namespace) -> int:
     values = dict(_argument(written) for written in args.args)
     if wrong := problem(args.kind, args.target, values):
         raise InputError(f"{wrong[0]}: {wrong[1]}")
-    running = find(args.run, args.connect)
-    answer = _send(running.connect, running.run, Inject(args.kind, args.target, values))
+    running = find(args.run, args.connect, args.identity)
+    answer = _send(running, Inject(args.kind, args.target, values))
     if args.json:
         print_json({"run": running.run, "accepted": answer.accepted, "reason": answer.reason})
     elif answer.accepted:
@@ -43,15 +44,18 @@ def execute(args: argparse.Namespace) -> int:
     return 0
 
 
-def _send(connect: str, run: str, inject: Inject) -> Injected:
-    config = NodeConfig(run, f"operator-{os.getpid()}", connect, outsider=True)
+def _send(running: Running, inject: Inject) -> Injected:
+    name = f"{OPERATOR}-{os.getpid()}"
+    config = NodeConfig(running.run, name, running.connect, outsider=True, identity=running.proof())
     try:
         with open_node(config) as node:
             answer = node.ask("world", inject, PATIENCE_S)
     except TransportError as error:
         raise InputError(str(error)) from error
     except NoAnswer as error:
-        raise InputError(f"{error}; the run {run} may be over, or its world is being restarted: try again") from error
+        raise InputError(
+            f"{error}; the run {running.run} may be over, or its world is being restarted: try again"
+        ) from error
     if not isinstance(answer, Injected):
         raise InputError(f"the world answered {type(answer).__name__}, which is no answer to this")
     return answer

@@ -45,6 +45,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=HOST,
         help="address of the router (default %(default)s); 0.0.0.0 lets other machines watch and inject: anybody there",
     )
+    parser.add_argument(
+        "--secure",
+        action="store_true",
+        help="certificates for all processes: each may say and hear only what it should",
+    )
     json_option(parser)
 
 
@@ -54,7 +59,7 @@ def execute(args: argparse.Namespace) -> int:
         raise InputError(f"--port {args.port}: expected a number from 0 to 65535")
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _interrupt)
-    outcome = run_scenario(scenario, Options(args.record, args.plan, args.port, args.host), _show(args))
+    outcome = run_scenario(scenario, Options(args.record, args.plan, args.port, args.host, args.secure), _show(args))
     if args.json:
         print_json(as_json(outcome))
     else:

@@ -18,13 +18,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    running = find(args.run, args.connect)
+    running = find(args.run, args.connect, args.identity)
     if not sys.stdout.isatty():
         raise InputError("the dashboard needs a terminal; muster run --headless prints lines")
     from ops.dashboard import watch
 
     try:
-        watch(running.connect, running.run)
+        watch(running.connect, running.run, running.proof())
     except TransportError as error:
         raise InputError(str(error)) from error
     return 0

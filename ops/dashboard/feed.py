@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
+from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from bus import keys
@@ -68,14 +69,14 @@ class Feed:
         return f"nothing heard for {silence:.0f} s" if silence >= QUIET_S else ""
 
 
-def watch(connect: str, run: str) -> None:
+def watch(connect: str, run: str, identity: Path | None = None) -> None:
     """The dashboard of a running system, until ``q``, Ctrl-C or SIGTERM. Any number may watch, from anywhere.
 
     Raises `bus.transport.TransportError` when the router cannot be reached.
     """
     from bus.zenoh_transport import connect as open_transport  # slow to import, and a replay does not need it
 
-    transport = open_transport(connect)
+    transport = open_transport(connect, identity)
     stop = threading.Event()
     try:
         with stopping(stop.set):

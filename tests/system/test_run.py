@@ -21,11 +21,14 @@ import pytest
 
 from bus.messages import RunOver
 from bus.node import NodeConfig
+from bus.transport import TransportError
+from bus.zenoh_transport import CLIENT, connect
 from ops.children import environment
 from ops.compile import compile_scenario
 from ops.scenario import load as load_scenario
 from ops.seat import Ears, Seat
 from tests.ops.test_compose import TEAMS, services
+from tests.system.whole import running
 
 pytestmark = pytest.mark.slow
 
@@ -163,3 +166,17 @@ def started(argv: list[str], log: Path) -> Iterator[None]:
                 process.wait(20)
             except subprocess.TimeoutExpired:
                 process.kill()
+
+
+def test_a_secure_run_shuts_strangers_out_and_leaves_no_keys_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with running("factory/team_killed", tmp_path, "--clock", "fast", "--secure") as live:
+        assert live.connect.startswith("tls/")
+        monkeypatch.setitem(CLIENT, "connect/timeout_ms", 1000)
+        with pytest.raises(TransportError, match="identity"):
+            connect(live.connect)
+        over = live.wait()
+    assert over.code == 0, over.told
+    assert over.told["messages"]["refused"] == 0
+    assert not list(tmp_path.rglob("*.pem"))
