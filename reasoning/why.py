@@ -15,6 +15,11 @@ from dataclasses import dataclass, field
 
 from reasoning.solver import Assumption, Model, Program, Solved
 
+LEAST = 20_000
+"""Conflicts that each search for a smaller clash may take in any case."""
+EFFORT = 3
+"""Else so many times as many as the first refutation took."""
+
 Clock = Callable[[], float]
 Progress = Callable[[str], None]
 
@@ -56,17 +61,16 @@ class Unknown:
 def explain(
     make: Callable[[], Program],
     *,
-    conflicts: int | None = None,
     seconds: float | None = None,
     clock: Clock = lambda: 0.0,
     on_progress: Progress = lambda _: None,
 ) -> Clash | Possible | Unknown:
     """A minimal clash among all groups of a program, or a way if there is none. `make` loads and grounds it.
 
-    `conflicts` bounds each search for a smaller clash, `seconds` of the clock all searches together. Raises ValueError
-    when the program has no model even without any group: then there is nothing that could be told.
+    `seconds` of the clock bound all searches together; searches for smaller clashes are bounded by conflicts too.
+    Raises ValueError when the program has no model even without any group: then there is nothing that could be told.
     """
-    return _Search(make, conflicts, seconds, clock, on_progress).run()
+    return _Search(make, seconds, clock, on_progress).run()
 
 
 def clashes(program: Program, members: Sequence[str], *, seconds: float | None = None) -> bool | None:
@@ -85,12 +89,12 @@ class _Search:
     def __init__(
         self,
         make: Callable[[], Program],
-        conflicts: int | None,
         seconds: float | None,
         clock: Clock,
         on_progress: Progress,
     ) -> None:
-        self._make, self._each, self._clock, self._tell = make, conflicts, clock, on_progress
+        self._make, self._clock, self._tell = make, clock, on_progress
+        self._each: int | None = None
         self._began = clock()
         self._end = None if seconds is None else self._began + seconds
         self._searches = self._conflicts = 0
@@ -107,6 +111,7 @@ class _Search:
             return Possible(first.model)
         if first.satisfiable is None:
             return Unknown(self._conflicts, self._clock() - self._began)
+        self._each = max(LEAST, EFFORT * first.conflicts)
         members = self._shrink(program, _core(self._groups, first))
         members, without, checked = self._check(members)
         return Clash(members, without, checked, self._searches, self._conflicts, self._clock() - self._began)

@@ -1,0 +1,101 @@
+"""What can be asked why: the domain's programs ``why*.lp`` with the facts of a question, loaded and grounded.
+
+Each function gives a maker of fresh programs for `reasoning.why.explain`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Literal
+
+from reasoning.checker import is_term
+from reasoning.diagnoser import facts_of
+from reasoning.domain import core_program, load
+from reasoning.solver import Program, quoted
+from reasoning.values import Case, Problem, State, Step
+
+Make = Callable[[], Program]
+Exchange = tuple[Literal["lend", "borrow"], int]
+OPTIONS = ("--config=handy",)
+
+
+def no_plan(problem: Problem, within: int, enough: int, exchange: Exchange | None = None) -> Make:
+    """Why is there no plan of at most `within` steps? `enough`, more than these, is the length that is tried when the
+    number of steps is left out. `exchange` is what the team lends, by a step, or borrows, from a step on.
+
+    Raises ValueError if `enough` is not more.
+    """
+    if enough <= within:
+        raise ValueError(f"expected more than {within} steps, not {enough}")
+    facts = [*_facts(problem), f"limit({within}).", f"length({within};{enough})."]
+    facts += [f"{exchange[0]}({exchange[1]})."] if exchange else []
+    return _maker(problem.domain, "why", facts, enough)
+
+
+def never(problem: Problem) -> Make:
+    """Why is there no plan, however long? Only what cannot be even if nothing that was reached were ever lost."""
+    return _maker(problem.domain, "why_ever", _facts(problem), 0)
+
+
+def not_possible(problem: Problem, action: str, others: Step = ()) -> Make:
+    """Why can this action not be done in the problem's state, together with the others of the same step?
+
+    Raises ValueError for an action that is not written as a term.
+    """
+    for written in (action, *others):
+        if not is_term(written):
+            raise ValueError(f"not an action: {written!r}")
+    facts = [*_facts(problem), f"wanted({action}).", *(f"commanded({other})." for other in others if other != action)]
+    return _maker(problem.domain, "why_action", facts, 1)
+
+
+def contradicts(case: Case, *, broken: str = "", whole: str = "", most: int = 1) -> Make:
+    """What contradicts the hypothesis that this robot is broken, or whole, when at most so many are broken?"""
+    facts = [fact.replace("occurs(", "commanded(", 1) for fact in facts_of(case)]
+    facts += (
+        [f"most({most})."] + ([f"suspect({broken})."] if broken else []) + ([f"cleared({whole})."] if whole else [])
+    )
+    return _maker(case.domain, "why_suspect", facts, 0)
+
+
+Role = Literal["lend", "borrow"]
+
+
+def no_sharing(
+    within: int,
+    delay: int,
+    teams: Iterable[str],
+    *,
+    alone: Iterable[str] = (),
+    early: Mapping[str, int] | None = None,
+    late: Mapping[str, int] | None = None,
+    must: Mapping[str, Role] | None = None,
+    may_not: Mapping[str, Role] | None = None,
+) -> Make:
+    """Why can teams that lend one another robots not all be done in time?
+
+    Those of `alone` cannot finish by themselves; `early[team]` is the earliest step in which it can lend, `late[team]`
+    the latest in which it can borrow; `must` and `may_not` are roles that are asked about.
+    """
+    facts = [f"steps({within}).", f"delay({delay}).", *(f"team({quoted(team)})." for team in teams)]
+    facts += [f"alone({quoted(team)})." for team in alone]
+    for name, steps in (("early", early), ("late", late), ("must", must), ("may_not", may_not)):
+        facts += [f"{name}({quoted(team)},{step})." for team, step in (steps or {}).items()]
+    return lambda: _grounded(Program([core_program("why_share")], facts), 0)
+
+
+def _facts(problem: Problem) -> list[str]:
+    state: State = problem.state
+    facts = [f"static({key},{value})." for key, value in problem.static.items()]
+    facts += [f"init({fluent},{value})." for fluent, value in state.items()]
+    return facts + ([f"guest({problem.guest})."] if problem.guest else [])
+
+
+def _maker(domain: str, entry: str, facts: list[str], horizon: int) -> Make:
+    file = load(domain).program(entry)
+    return lambda: _grounded(Program([file], facts, OPTIONS), horizon)
+
+
+def _grounded(program: Program, horizon: int) -> Program:
+    program.ground(("base", ()), *(("step", (t,)) for t in range(1, horizon + 1)))
+    return program
