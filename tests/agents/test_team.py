@@ -58,7 +58,7 @@ def stage(make_system: MakeSystem) -> Stage:
 def test_a_standing_says_what_is_seen(stage: Stage) -> None:
     standing = stage.ask(m.Enquire(1))
     assert standing == m.Standing(1, T1, 0, False, 3)
-    assert stage.team.memory.observed == ALONE
+    assert stage.team.mind.memory.observed == ALONE
 
 
 def test_a_team_that_is_done_says_so(make_system: MakeSystem) -> None:
@@ -90,9 +90,9 @@ def test_a_step_under_way_survives_its_team(stage: Stage) -> None:
     stage.begin()
     stage.system["world"].asleep = True
     request = stage.system.send(COORDINATOR, T1, m.Go(1, 0))
-    stage.system.until(lambda: stage.team.memory.begun is not None)
+    stage.system.until(lambda: stage.team.mind.memory.begun is not None)
     stage.system.restart(T1)
-    assert stage.team.memory.begun is not None
+    assert stage.team.mind.memory.begun is not None
     stage.system["world"].asleep = False
     assert stage.answer(request).outcome == "as_planned"
     assert stage.done[T1, 0] == 1
@@ -102,7 +102,7 @@ def test_an_enquiry_waits_for_the_end_of_the_step(stage: Stage) -> None:
     stage.begin()
     stage.system["world"].asleep = True
     stage.system.send(COORDINATOR, T1, m.Go(1, 0))
-    stage.system.until(lambda: stage.team.memory.begun is not None)
+    stage.system.until(lambda: stage.team.mind.memory.begun is not None)
     request = stage.system.send(COORDINATOR, T1, m.Enquire(2))
     for _ in range(5):
         stage.system.tick()
@@ -135,20 +135,20 @@ def test_a_plan_that_starts_later_than_the_team_would_is_offered_as_it_is(stage:
 def test_what_belongs_to_another_epoch_changes_nothing(stage: Stage, body: m.Body) -> None:
     stage.begin(1)
     stage.ask(m.Enquire(2))
-    before = stage.team.memory
+    before = stage.team.mind.memory
     told = stage.ask(body)
     assert told.epoch == 2
     assert getattr(told, "verdict", "unknown") == "unknown"
     assert not getattr(told, "ok", False)
     assert getattr(told, "outcome", "refused") == "refused"
-    assert stage.team.memory == before
+    assert stage.team.mind.memory == before
     assert not stage.done
 
 
 def test_an_enquiry_that_comes_late_does_not_lead_back(stage: Stage) -> None:
     stage.begin(5)
     assert stage.ask(m.Enquire(3)).epoch == 5
-    assert stage.team.memory.epoch == 5
+    assert stage.team.mind.memory.epoch == 5
     assert stage.ask(m.Go(5, 0)).outcome == "as_planned"
 
 
@@ -169,13 +169,13 @@ def test_a_look_from_before_a_step_is_not_taken_for_one_after_it(stage: Stage) -
     stage.begin(1)
     stage.system["world"].asleep = True
     request = stage.system.send(COORDINATOR, T1, m.Enquire(2))
-    stage.system.until(lambda: stage.team._look != "T1.1.1")
-    looked = stage.team._look
+    stage.system.until(lambda: stage.team.answering._look != "T1.1.1")
+    looked = stage.team.answering._look
     stage.system.send(COORDINATOR, T1, m.Go(1, 0))
-    stage.system.until(lambda: stage.team.memory.begun is not None)
+    stage.system.until(lambda: stage.team.mind.memory.begun is not None)
     stage.system["world"].asleep = False
     standing = stage.answer(request)
-    assert stage.team._look != looked
+    assert stage.team.answering._look != looked
     assert (standing.step, standing.offer.question.within) == (1, 3)
 
 
@@ -212,7 +212,7 @@ def test_a_given_plan_that_ends_too_early_is_not_finished(stage: Stage) -> None:
 def test_an_inspection_is_a_step_and_tells_what_was_found(make_system: MakeSystem) -> None:
     stage = Stage(make_system, PAINTER | {"at(c1)": "(2,2)", "attached(c1)": "none"})
     stage.begin(within=20)
-    stage.team._keep(replace(stage.team.memory, open=(blamed("c1"), blamed("w1"))))
+    stage.team.mind.keep(replace(stage.team.mind.memory, open=(blamed("c1"), blamed("w1"))))
     assert set(stage.ask(m.Enquire(2)).inspect) == {"c1", "w1"}
     result = stage.ask(m.Go(2, 0, recover=True))
     assert (result.outcome, result.inspect) == ("recovered", ())
@@ -227,14 +227,14 @@ def blamed(robot: str) -> m.Diagnosis:
 @pytest.mark.parametrize("body", [m.Enquire(9), m.Ask(1, m.Question("alone", 4)), m.Go(1, 0)])
 def test_only_the_coordinator_commands(stage: Stage, body: m.Body) -> None:
     stage.begin()
-    before = stage.team.memory
+    before = stage.team.mind.memory
     request = stage.system.send("mallory", T1, body)
     stage.system.until(lambda: stage.system.puppet("mallory").mail)
     (answer,) = stage.system.puppet("mallory").mail
     assert isinstance(answer, Envelope)
     assert (answer.re, answer.body) == (request, m.Ok())
-    assert stage.team.memory == before
-    assert stage.team.node.post.inbox.refused == {"not_yours": 1}
+    assert stage.team.mind.memory == before
+    assert stage.team.mind.node.post.inbox.refused == {"not_yours": 1}
     assert not stage.done
 
 
