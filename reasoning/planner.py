@@ -13,15 +13,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
+from reasoning import geometry
 from reasoning.domain import load
 from reasoning.solver import Assumption, Atom, Model, Program, Solved, models, parse
 from reasoning.values import Answer, Found, Plan, Problem, Question, State, Step, Value
 
 Kind = Literal["alone", "lend", "borrow"]
 Details = Mapping[tuple[int, str], Mapping[str, Value]]
-OPTIONS = ("--config=handy",)
 LONGEST = 400
 """`Planner.shortest` gives up at this makespan."""
+LATER = 500
+"""After a yes to borrowing, so many conflicts at a time are spent on a plan that borrows later."""
 
 
 class Planner:
@@ -44,7 +46,8 @@ class Planner:
         self._problem, self._beat, self._cancelled, self._clock = problem, beat, cancelled, clock
         self._hopeless, self._bound, self._bound_text = _prospects(problem)
         self._horizon = -1
-        self._program = Program([load(problem.domain).program("plan")], _facts(problem), OPTIONS, seed=seed)
+        domain = load(problem.domain)
+        self._program = Program([domain.program("plan")], _facts(problem), domain.data.solver, seed=seed)
 
     def hopeless(self) -> str:
         """Why the goal can never be reached, even with a guest if there may be one; "" if nothing speaks against it."""
@@ -66,6 +69,26 @@ class Planner:
         no = self._hopeless or within < self._bound or (kind != "alone" and step < 0)
         if no or (kind == "borrow" and (step >= within or not self._problem.guest)):
             return Answer(question, "no")
+        solved = self._ask(question, conflicts, seconds)
+        used, plan = solved.conflicts, _plan(solved.model, within) if solved.model is not None else None
+        while kind == "borrow" and plan is not None and plan.exchange is not None:
+            # The later it borrows, the more questions the plan answers, and the solver is on the spot.
+            left = LATER if conflicts is None else min(LATER, conflicts - used)
+            left_s = None if seconds is None else seconds - (self._clock() - begun)
+            if left <= 0 or (left_s is not None and left_s <= 0):
+                break
+            later = self._ask(question._replace(step=plan.exchange[1] + 1), left, left_s)
+            used += later.conflicts
+            if later.model is None:
+                break
+            plan = _plan(later.model, within)
+        verdict: Literal["yes", "no", "unknown"] = "unknown"
+        if solved.satisfiable is not None:
+            verdict = "yes" if solved.satisfiable else "no"
+        return Answer(question, verdict, plan, used, self._clock() - begun)
+
+    def _ask(self, question: Question, conflicts: int | None, seconds: float | None) -> Solved:
+        kind, within, step, *_ = question
         self._reach(within)
         assumptions: list[Assumption] = [("done", (within,), True)]
         assumptions += [("lent", (within,), kind == "lend"), ("borrowed", (within,), kind == "borrow")]
@@ -73,14 +96,9 @@ class Planner:
             assumptions.append(("lent", (min(step + 1, within),), True))
         if kind == "borrow":
             assumptions.append(("borrowed", (step,), False))
-        solved = self._program.solve(
+        return self._program.solve(
             assumptions, conflicts=conflicts, seconds=seconds, beat=self._beat, cancelled=self._cancelled
         )
-        verdict: Literal["yes", "no", "unknown"] = "unknown"
-        if solved.satisfiable is not None:
-            verdict = "yes" if solved.satisfiable else "no"
-        plan = _plan(solved.model, within) if solved.model is not None else None
-        return Answer(question, verdict, plan, solved.conflicts, self._clock() - begun)
 
     def shortest(
         self,
@@ -174,6 +192,7 @@ def rest(plan: Plan, done: int) -> Plan:
 def _facts(problem: Problem) -> list[str]:
     facts = [f"static({key},{value})." for key, value in problem.static.items()]
     facts += [f"init({fluent},{value})." for fluent, value in problem.state.items()]
+    facts += geometry.facts(problem)
     return facts + ([f"guest({problem.guest})."] if problem.guest else [])
 
 

@@ -56,7 +56,7 @@ def _judge(teams: Mapping[str, Ledger], k: int, delay: int, bench: Mapping[str, 
         )
     if open_:  # meanwhile those that are known to need help say until when
         ranges = {name: _range(teams[name], "borrow", k) for name in borrowers}
-        return Horizon(questions={**_halved(ranges, k), **open_})
+        return Horizon(questions={**_latest(ranges, k), **open_})
     if not borrowers:
         idle = [name for name in sorted(teams) if teams[name].verdict(Question("alone", k)) is None]
         if idle:  # on course to lend, but nobody needs it any more: what then?
@@ -110,7 +110,7 @@ def _match(
         return Horizon(reason=f"no matching ({doubts}; transport takes {delay})", sure=sure)
     # Borrowers first: their questions are cheap, and a lender need then only be asked about the very step that
     # matters. Of the lenders only the cheapest one: its no ends the matter as well as a dear one's.
-    questions = _halved(borrow, k)
+    questions = _latest(borrow, k)
     if not questions:
         pairs = [(giver, borrow[taker].best) for taker, giver in perhaps.items() if giver not in bench]
         asked = {giver: Question("lend", k, latest - delay) for giver, latest in pairs}
@@ -120,10 +120,11 @@ def _match(
     return Horizon(questions={n: q for n, q in sorted(questions.items()) if teams[n].verdict(q) is None})
 
 
-def _halved(borrow: Mapping[str, _Range], k: int) -> dict[str, Question]:
-    """The questions that halve what is open about latest borrowing steps; those who can never borrow are not asked."""
+def _latest(borrow: Mapping[str, _Range], k: int) -> dict[str, Question]:
+    """What to ask about latest borrowing steps; those who can never borrow are not asked. As teams make their plans
+    borrow as late as is easily found, the step after that of a plan is likely to settle it; without a plan, halve."""
     return {
-        name: Question("borrow", k, ((-1 if r.proved is None else r.proved) + r.best + 1) // 2)
+        name: Question("borrow", k, (r.best + 1) // 2 if r.proved is None else r.proved + 1)
         for name, r in borrow.items()
         if r.proved != r.best and r.best >= 0
     }
