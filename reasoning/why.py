@@ -28,7 +28,7 @@ Progress = Callable[[str], None]
 class Clash:
     """`members` cannot hold together. `without[G]` is what is possible when G alone is left out: they are as many as
     the members, unless the search ended before, and then it is open whether the others are needed. `checked`: a solver
-    of its own refuted all of them together."""
+    of its own has found the same."""
 
     members: tuple[str, ...]
     without: Mapping[str, Model] = field(default_factory=dict)
@@ -112,13 +112,15 @@ class _Search:
         if first.satisfiable is None:
             return Unknown(self._conflicts, self._clock() - self._began)
         self._each = max(LEAST, EFFORT * first.conflicts)
-        members = self._shrink(program, _core(self._groups, first))
-        members, without, checked = self._check(members)
+        members, ways = self._shrink(program, _core(self._groups, first))
+        members, without, checked = self._check(members, ways)
         return Clash(members, without, checked, self._searches, self._conflicts, self._clock() - self._began)
 
-    def _shrink(self, program: Program, members: tuple[str, ...]) -> tuple[str, ...]:
-        """Leave out as many as possible, in their order; twice as many at a time as went well before."""
+    def _shrink(self, program: Program, members: tuple[str, ...]) -> tuple[tuple[str, ...], dict[str, Model]]:
+        """Leave out as many as possible, in their order; twice as many at a time as went well before. A way without
+        one of many members is a way without it of fewer."""
         at, size = 0, 1
+        ways: dict[str, Model] = {}
         while at < len(members) and not self._over():
             size = min(size, len(members) - at)
             self._tell(f"{len(members)} members clash, {at} of them are needed")
@@ -131,26 +133,30 @@ class _Search:
             elif size > 1:
                 size //= 2
             else:
+                ways |= {members[at]: solved.model} if solved.model is not None else {}
                 at += 1
-        return members
+        return members, ways
 
-    def _check(self, members: tuple[str, ...]) -> tuple[tuple[str, ...], dict[str, Model], bool]:
-        """All of the members clash, and what is possible without each; of fewer, if a try that ended without an answer
-        before succeeds now."""
+    def _check(
+        self, members: tuple[str, ...], ways: dict[str, Model]
+    ) -> tuple[tuple[str, ...], dict[str, Model], bool]:
+        """Refute all of the members once more, and look for a way without each; of fewer, if a search that ended
+        without an answer before succeeds now. Where the time is over, the ways that were found before must do."""
         program = self._make()
-        without: dict[str, Model] = {}
         refuted = self._try(program, members, None)
         if refuted.model is not None:
             raise AssertionError(f"these members do not clash: {', '.join(members)}")
-        for member in members:
-            self._tell(f"{len(members)} members clash, {len(without)} of them were checked")
+        without: dict[str, Model] = {}
+        for number, member in enumerate(members):
+            self._tell(f"{len(members)} members clash, {number} of them were checked")
             rest = tuple(m for m in members if m != member)
             solved = self._try(program, rest, self._each)
             if solved.satisfiable is False:
-                return self._check(_core(rest, solved))
+                return self._check(_core(rest, solved), ways)
             if solved.model is not None:
                 without[member] = solved.model
-        return members, without, refuted.satisfiable is False
+        checked = refuted.satisfiable is False and len(without) == len(members)
+        return members, {m: way for m, way in {**ways, **without}.items() if m in members}, checked
 
     def _try(self, program: Program, members: tuple[str, ...], conflicts: int | None) -> Solved:
         chosen = set(members)

@@ -10,6 +10,7 @@ COMMANDS: dict[str, str] = {
     "plan": "plan a scenario without starting anything",
     "check": "hold a plan or a recorded run against the independent checker",
     "diagnose": "explain an observed state: all minimal causes, what to inspect",
+    "why": "what stands in the way of a plan, an action, a suspicion: a minimal clash, checked",
     "watch": "the live dashboard, attached to a running system",
     "replay": "the dashboard from a recording",
     "inject": "disturb a running system: break, move, set, order, cancel, kill, pause, restart, drop, delay, repeat",
