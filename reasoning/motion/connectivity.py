@@ -138,12 +138,13 @@ def _boxes(bare: Layout, reach_m: float) -> tuple[Boxed, ...]:
 @lru_cache(maxsize=256)
 def _furniture_links(bare: Layout, reach_m: float) -> tuple[Link, ...]:
     links = []
-    for i, a in enumerate(bare.solids):
-        for j in range(i):
-            b = bare.solids[j]
-            gap, on_a, on_b = closest(a, b)
-            if gap < 2 * reach_m:
-                links.append(Link(i, j, (centre(a), on_a, on_b, centre(b))))
+    boxes = _boxes(bare, reach_m)
+    for i, (x1, y1, x2, y2, a) in enumerate(boxes):
+        for j, (x3, y3, x4, y4, b) in enumerate(boxes[:i]):
+            if x1 < x4 and x3 < x2 and y1 < y4 and y3 < y2:
+                gap, on_a, on_b = closest(a, b)
+                if gap < 2 * reach_m:
+                    links.append(Link(i, j, (centre(a), on_a, on_b, centre(b))))
     return tuple(links)
 
 

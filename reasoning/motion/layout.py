@@ -18,6 +18,8 @@ Disc = tuple[float, float, float]
 """x_m, y_m, radius_m"""
 WALL_M = 1.0
 """How thick a wall is drawn, outside the room."""
+WALLS = 4
+"""How many of a layout's solids are walls."""
 
 
 @dataclass(frozen=True)

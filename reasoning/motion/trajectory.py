@@ -11,10 +11,11 @@ import heapq
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
-from reasoning.motion.connectivity import MARGIN_M, Connectivity
-from reasoning.motion.convex import Point, Polygon, turn
-from reasoning.motion.layout import Layout
+from reasoning.motion.connectivity import MARGIN_M, REMEMBERED, Connectivity
+from reasoning.motion.convex import Point, Polygon
+from reasoning.motion.layout import WALLS, Layout
 
 TOUCH_M = 1e-7
 """Ways may touch obstacles; so much deeper they do not."""
@@ -40,6 +41,14 @@ def roadmap(layout: Layout, radius_m: float, margin_m: float = MARGIN_M) -> Road
     return Roadmap(Connectivity(layout, radius_m, margin_m))
 
 
+class Edge(NamedTuple):
+    """A side of a convex polygon: nx x + ny y > c on the inside, with a normal of length 1."""
+
+    nx: float
+    ny: float
+    c: float
+
+
 class Body:
     """A grown obstacle as a convex polygon, with what tests against it need."""
 
@@ -47,20 +56,17 @@ class Body:
         self.corners = corners
         xs, ys = [x for x, _ in corners], [y for _, y in corners]
         self.box = (min(xs), min(ys), max(xs), max(ys))
-        self._edges = []
-        for (ax, ay), (bx, by) in zip(corners[-1:] + corners[:-1], corners, strict=True):
-            length = math.hypot(bx - ax, by - ay)
-            nx, ny = (ay - by) / length, (bx - ax) / length
-            self._edges.append((nx, ny, nx * ax + ny * ay + TOUCH_M))
+        self.edges = tuple(_edge(a, b) for a, b in zip(corners[-1:] + corners[:-1], corners, strict=True))
 
     def contains(self, p: Point) -> bool:
         """Whether p is inside and does not only touch."""
-        return all(nx * p[0] + ny * p[1] > c for nx, ny, c in self._edges)
+        x1, y1, x2, y2 = self.box
+        return x1 < p[0] < x2 and y1 < p[1] < y2 and all(nx * p[0] + ny * p[1] > c for nx, ny, c in self.edges)
 
     def cuts(self, px: float, py: float, qx: float, qy: float) -> bool:
         """Whether the segment pq goes through the inside."""
         low, high = 0.0, 1.0
-        for nx, ny, c in self._edges:
+        for nx, ny, c in self.edges:
             d, e = nx * px + ny * py - c, nx * qx + ny * qy - c
             if d <= 0:
                 if e <= 0:
@@ -73,18 +79,18 @@ class Body:
         return True
 
 
-class Corner:
-    """A corner of a body where a way may turn: the corners before and after it on the body."""
+class Corner(NamedTuple):
+    """A corner of a body where a way may turn, with the body's sides before and after it."""
 
-    __slots__ = ("after", "at", "before")
+    x: float
+    y: float
+    before: Edge
+    after: Edge
 
-    def __init__(self, before: Point, at: Point, after: Point) -> None:
-        self.before, self.at, self.after = before, at, after
-
-    def tangent(self, p: Point) -> bool:
-        """Whether the line from p to the corner leaves the body on one side."""
-        one, other = turn(p, self.at, self.before), turn(p, self.at, self.after)
-        return (one >= -TOUCH_M and other >= -TOUCH_M) or (one <= TOUCH_M and other <= TOUCH_M)
+    def tangent(self, x: float, y: float) -> bool:
+        """Whether the line to the corner leaves the body on one side: it is seen from outside one of the sides."""
+        (ax, ay, ac), (bx, by, bc) = self.before, self.after
+        return (ax * x + ay * y - ac) * (bx * x + by * y - bc) <= TOUCH_M
 
 
 class Roadmap:
@@ -95,31 +101,31 @@ class Roadmap:
         layout, near = connectivity.layout, connectivity.radius_m
         far = near + connectivity.margin_m
         near += connectivity.margin_m / 10
-        walls = len(Layout(layout.width_m, layout.height_m).solids)
-        shapes = [_grown(core, near, far) for core in layout.solids[walls:]]
+        shapes = [_grown(core, near, far) for core in layout.solids[WALLS:]]
         shapes += [_grown(((x, y),), near + r, far + r) for x, y, r in layout.discs]
         self._bodies = [Body(shape) for shape in shapes]
         low, right, top = far - TOUCH_M, layout.width_m - far + TOUCH_M, layout.height_m - far + TOUCH_M
         self._corners = [
-            Corner(*around)
-            for shape in shapes
-            for around in zip(shape[-1:] + shape[:-1], shape, shape[1:] + shape[:1], strict=True)
-            if low <= around[1][0] <= right
-            and low <= around[1][1] <= top
-            and not any(body.contains(around[1]) for body in self._bodies)
+            Corner(*at, before, after)
+            for body in self._bodies
+            for at, before, after in zip(body.corners, body.edges, body.edges[1:] + body.edges[:1], strict=True)
+            if low <= at[0] <= right and low <= at[1] <= top and not any(b.contains(at) for b in self._bodies)
         ]
-        self._edges: dict[int, list[tuple[int, float]]] = {}
+        self._between: dict[int, dict[int, float]] = {}
+        self._from: dict[Point, dict[int, float]] = {}
 
     def shortest(self, p: Point, q: Point) -> Trajectory | None:
         """See `shortest`. Of equally long ways, always the same one."""
         if not self.connectivity.path_exists(p, q):
             return None
-        if self.sees(p, q):
+        if self.sees(*p, *q):
             return Trajectory((p, q), math.dist(p, q))
         # A* with the distance as the crow flies; -1 is the start, -2 the end.
+        qx, qy = q
+        last = self._seen(q)
         came: dict[int, int] = {}
         length = {-1: 0.0}
-        queue = [(math.dist(p, q), -1)]
+        queue = [(0.0, -1)]
         done = set()
         while queue:
             _, node = heapq.heappop(queue)
@@ -128,17 +134,19 @@ class Roadmap:
             if node in done:
                 continue
             done.add(node)
-            for other, step in self._next(node, p, q):
+            if node in last and length[node] + last[node] < length.get(-2, math.inf):
+                length[-2], came[-2] = length[node] + last[node], node
+                heapq.heappush(queue, (length[-2], -2))
+            for other, step in (self._seen(p) if node == -1 else self._next(node)).items():
                 reached = length[node] + step
                 if reached < length.get(other, math.inf):
                     length[other], came[other] = reached, node
-                    left = 0.0 if other == -2 else math.dist(self._corners[other].at, q)
-                    heapq.heappush(queue, (reached + left, other))
+                    corner = self._corners[other]
+                    heapq.heappush(queue, (reached + math.hypot(corner.x - qx, corner.y - qy), other))
         raise ArithmeticError(f"connected, but no way found from {p} to {q} in {self.connectivity.layout}")
 
-    def sees(self, p: Point, q: Point) -> bool:
+    def sees(self, px: float, py: float, qx: float, qy: float) -> bool:
         """Whether the straight way from p to q leaves out all obstacles."""
-        (px, py), (qx, qy) = p, q
         left, right = (px, qx) if px < qx else (qx, px)
         low, high = (py, qy) if py < qy else (qy, py)
         for body in self._bodies:
@@ -147,35 +155,54 @@ class Roadmap:
                 return False
         return True
 
-    def _next(self, node: int, p: Point, q: Point) -> list[tuple[int, float]]:
-        if node == -1:
-            return self._tangents(p, None)
-        corner = self._corners[node]
-        if node not in self._edges:
-            self._edges[node] = self._tangents(corner.at, corner)
-        edges = self._edges[node]
-        if corner.tangent(q) and self.sees(corner.at, q):
-            return [*edges, (-2, math.dist(corner.at, q))]
-        return edges
+    def _next(self, node: int) -> dict[int, float]:
+        """The corners that a way may go to from a corner, with the distances."""
+        if node not in self._between:
+            corner = self._corners[node]
+            self._between[node] = {
+                number: step
+                for number, step in self._tangents(corner.x, corner.y)
+                if number != node
+                and corner.tangent(self._corners[number].x, self._corners[number].y)
+                and self.sees(corner.x, corner.y, self._corners[number].x, self._corners[number].y)
+            }
+        return self._between[node]
 
-    def _tangents(self, at: Point, start: Corner | None) -> list[tuple[int, float]]:
+    def _seen(self, p: Point) -> dict[int, float]:
+        """The corners that a way may go to from p, with the distances; the same as those it may come from."""
+        if p not in self._from:
+            if len(self._from) >= REMEMBERED:
+                self._from.clear()
+            self._from[p] = {
+                number: step
+                for number, step in self._tangents(*p)
+                if self.sees(*p, self._corners[number].x, self._corners[number].y)
+            }
+        return self._from[p]
+
+    def _tangents(self, x: float, y: float) -> list[tuple[int, float]]:
+        # `Corner.tangent`, written out, since this is where the time goes.
         return [
-            (number, math.dist(at, corner.at))
-            for number, corner in enumerate(self._corners)
-            if corner is not start
-            and corner.tangent(at)
-            and (start is None or start.tangent(corner.at))
-            and self.sees(at, corner.at)
+            (number, math.hypot(cx - x, cy - y))
+            for number, (cx, cy, (ax, ay, ac), (bx, by, bc)) in enumerate(self._corners)
+            if (ax * x + ay * y - ac) * (bx * x + by * y - bc) <= TOUCH_M
         ]
 
     def _trajectory(self, p: Point, q: Point, came: dict[int, int]) -> Trajectory:
         points, node = [q], came[-2]
         while node != -1:
-            points.append(self._corners[node].at)
+            points.append(self._corners[node][:2])
             node = came[node]
         points.append(p)
         points.reverse()
         return Trajectory(tuple(points), sum(map(math.dist, points, points[1:])))
+
+
+def _edge(a: Point, b: Point) -> Edge:
+    """The side from a to b of a counterclockwise polygon; what only touches it is outside."""
+    length = math.dist(a, b)
+    nx, ny = (a[1] - b[1]) / length, (b[0] - a[0]) / length
+    return Edge(nx, ny, nx * a[0] + ny * a[1] + TOUCH_M)
 
 
 def _grown(core: Polygon, near: float, far: float) -> Polygon:
@@ -189,7 +216,7 @@ def _grown(core: Polygon, near: float, far: float) -> Polygon:
         first = math.atan2(a[0] - b[0], b[1] - a[1])  # where the outward normal of ab points to
         sweep = (math.atan2(b[0] - c[0], c[1] - b[1]) - first) % (2 * math.pi)
         if sweep < math.pi:  # or rounding took a straight corner for one that turns right
-            corners += _arc(b, far, first, sweep, math.ceil(sweep / widest))
+            corners += _arc(b, far, first, sweep, math.ceil(sweep / widest) if sweep > TOUCH_M else 0)
     return tuple(corners)
 
 
