@@ -145,7 +145,7 @@ class Coordinator:
             case NoPlan() if self.members.lost:  # whoever is lost may have what the others need
                 self._show("no plan without those who are lost; waiting for " + ", ".join(self.members.lost))
             case NoPlan(reason):
-                self._no_plan(reason)
+                self._no_plan(reason, "no_plan")
             case Refused(reason):
                 self._refused(reason)
 
@@ -158,7 +158,7 @@ class Coordinator:
         if self._refusals < REFUSALS:
             self._begin(reason)
         else:
-            self._no_plan(reason)
+            self._no_plan(reason, "plan_refused")
 
     def _start(self, adoption: Adoption) -> None:
         """Everybody has adopted the plan."""
@@ -201,10 +201,10 @@ class Coordinator:
             self._next_step()
 
     # ------------------------------------------------------------ the end
-    def _no_plan(self, why: str) -> None:
+    def _no_plan(self, why: str, cause: Literal["no_plan", "plan_refused"]) -> None:
         over = m.RunOver(False, f"no plan: {why}"[:2000], self.steps.step, self.diary.replans)
         with self.node.journal.transaction():
-            self.node.emit("no_plan", f"no plan: {why}", team="", reason=why)
+            telling.no_plan(self.node, why, cause)
             self._finish(over)
 
     def _finish(self, over: m.RunOver) -> None:

@@ -30,7 +30,8 @@ class Search:
 
     def next(self) -> Asking | Shared:
         result = advance(self._ledgers, self._delay, self._bench)
-        self.bound = result.low if isinstance(result, Asking) else result.lower_bound
+        # What was proved once stays so, even where the search now looks at a shorter horizon.
+        self.bound = max(self.bound, result.low if isinstance(result, Asking) else result.lower_bound)
         self.best = (result.high or -1) if isinstance(result, Asking) else result.makespan
         return result
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from msgspec.structs import asdict
 
@@ -57,6 +58,11 @@ def adopted(node: Node, epoch: int, adoption: Adoption, questions: int, exchange
     for x in exchanges:
         text = f"{x.giver} lends {x.robot} to {x.taker}: given in step {x.give_step}, taken in step {x.take_step}"
         node.emit("exchange", text, **asdict(x))
+
+
+def no_plan(node: Node, why: str, cause: Literal["no_plan", "plan_refused"]) -> None:
+    node.emit("no_plan", f"no plan: {why}", team="", reason=why)
+    node.emit("needs_person", f"a person is needed: no plan: {why}", cause=cause)
 
 
 def status(doing: str, step: int, epoch: int, over: bool, search: Search, exchanges: tuple[Exchange, ...]) -> Status:

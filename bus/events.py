@@ -30,6 +30,8 @@ KINDS: dict[str, str] = {
     "shared_plan": "epoch, start, makespan, proof, exchanges",
     "exchange": "worker, giver, give_step, taker, take_step, known_as",
     "run_over": "goal, reason, makespan, replans",
+    # coordinator, supervisor
+    "needs_person": "cause (no_plan, plan_refused, gave_up, too_long): the system cannot go on by itself",
     # supervisor
     "process": "name, state: started, died, restarted, gave_up, stopped; cause",
 }

@@ -142,6 +142,9 @@ def test_a_plan_that_nobody_can_adopt_is_not_searched_for_ever(stage: Stage) -> 
     assert over is not None
     assert not over.goal
     assert over.reason == "no plan: T2 cannot adopt its plan: step 3: the checker objects"
+    (needed,) = stage.system.said("needs_person")
+    assert needed["cause"] == "plan_refused"
+    assert over.reason in str(needed["text"])
 
 
 def test_a_given_plan_that_cannot_be_adopted_is_tried_once(make_system: MakeSystem) -> None:
@@ -174,6 +177,7 @@ def test_the_last_word_is_said_again_by_the_next_life_and_recorded_once(stage: S
     stage.system.until(lambda: stage.system.over)
     assert stage.system.over is not None
     assert stage.system.over.reason.startswith("no plan: T1 can never finish alone")
+    assert [needed["cause"] for needed in stage.system.said("needs_person")] == ["no_plan"]
     assert len(stage.system.said("run_over")) == 1
 
 

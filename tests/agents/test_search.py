@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import random
+from typing import Literal
+
 from agents.search import Search
 from bus import messages as m
 from bus.messages import Handover
@@ -77,3 +80,28 @@ def test_a_single_team_has_nobody_to_borrow_from_unless_a_robot_waits_on_the_ben
         search.learn("T1", m.Answer(1, m.Question(*q), "yes" if yes else "no", q.within, q.within - 4))
         asked = search.next()
     assert (asked.makespan, asked.loans) == (4, (Loan("T1.w1", "T1"),))
+
+
+def test_a_bound_that_was_shown_never_falls_during_a_search() -> None:
+    """Answers that leave a question open can send the search back to a horizon below one that was refuted."""
+    fell = [seed for seed in range(60) if (shown := bounds(random.Random(seed))) != sorted(shown)]
+    assert not fell
+
+
+def bounds(dice: random.Random) -> list[int]:
+    """The bounds shown while drawn teams answer one at a time, some of them that they do not know."""
+    names = [f"T{n}" for n in range(dice.randint(2, 5))]
+    alone = {name: dice.randint(0, 16) for name in names}
+    exchange = {name: sorted(dice.randint(0, 9) for _ in range(20)) for name in names}  # by horizon
+    search = Search({name: standing(name) for name in names}, delay=2, start=5)
+    shown: list[int] = []
+    while isinstance(asked := search.next(), Asking):
+        shown.append(search.bound)
+        team, q = dice.choice(sorted(asked.questions.items()))
+        able = q.within >= alone[team] if q.kind != "borrow" else True
+        at = exchange[team][min(q.within, 19)]
+        able = able and {"alone": True, "lend": 9 - at <= q.step, "borrow": at >= q.step}[q.kind]
+        verdict: Literal["yes", "no", "unknown"] = "yes" if able else "no"
+        verdict = verdict if dice.random() > 0.15 else "unknown"
+        search.learn(team, m.Answer(1, m.Question(*q), verdict, q.within * able, q.step * able))
+    return [*shown, search.bound]
