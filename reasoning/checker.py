@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from reasoning import replay
 from reasoning.domain import Domain, load
 from reasoning.solver import Atom, models, parse, quoted
 from reasoning.values import State, Step, Value, Violation
@@ -101,8 +102,21 @@ def examine(
             text = "is an exchange of what is not written as a name"
             violations.append(Violation(e.taker, e.take_step, f"{e.worker} as {e.known_as}", "unknown", text))
     facts += [f"breaks({quoted(b.team)},{b.robot},{b.step})." for b in breaks if is_term(b.robot)]
-    (*_, model) = models([domain.program("check")], facts, optimum=True)
-    return _verdict(domain, model.atoms, violations)
+    return _verdict(domain, _judged(domain, static, states, facts), violations)
+
+
+def _judged(
+    domain: Domain, static: Mapping[str, Value], states: Mapping[str, State], facts: Sequence[str]
+) -> tuple[Atom, ...]:
+    """What the program says, once it has been told of all ways that it asks for. Where a step leads depends on the ways
+    in the steps before it, so this ends after as many rounds as there are steps, if not sooner."""
+    ways: list[str] = []
+    while True:
+        (*_, model) = models([domain.program("check")], [*facts, *ways], optimum=True)
+        told = replay.facts(domain, static, states, model.atoms)
+        if told == ways:
+            return model.atoms
+        ways = told
 
 
 def _plan(plan: Mapping[str, Sequence[Step]]) -> tuple[list[str], list[Violation]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from reasoning.domain import Domain, Key, load
+from reasoning.motion.convex import canonical
 from reasoning.solver import Atom, models, parse
 from reasoning.values import State, Value
 
@@ -22,7 +23,10 @@ _WORDS = {
     "table": "a table",
     "name": "a name: a small letter, then letters, digits or _",
     "cell": "a cell [column, row] of two integers",
+    "area": "an area [west, east, south, north] of four integers",
+    "polygon": "the corners [[x, y], ...] of a polygon that does not touch itself, in order, as integers",
 }
+_NUMBERS = {"cell": 2, "area": 4}
 
 
 class Entity(NamedTuple):
@@ -71,7 +75,7 @@ class KeyHelp(NamedTuple):
 
 
 KeyPath = tuple[str | int, ...]
-Leaf = int | str | tuple[int, ...]
+Leaf = int | str | tuple["int | tuple[int, ...]", ...]
 
 
 def sections(domain: str | Domain) -> tuple[str, ...]:
@@ -125,7 +129,7 @@ def _path(path: KeyPath) -> str:
 
 
 def _term(value: Leaf) -> str:
-    return f"({','.join(map(str, value))})" if isinstance(value, tuple) else str(value)
+    return f"({','.join(map(_term, value))})" if isinstance(value, tuple) else str(value)
 
 
 def reference(domain: str | Domain) -> list[KeyHelp]:
@@ -211,8 +215,22 @@ def _leaf(key: Key, value: Any) -> Leaf | None:
         return int(value) if _is_int(value) and _within(key, value) else None
     if key.type == "name":
         return str(value) if isinstance(value, str) and _NAME.fullmatch(value) else None
-    fits = key.type == "cell" and isinstance(value, list) and len(value) == 2 and all(map(_is_int, value))
-    return tuple(value) if fits else None
+    if key.type == "polygon":
+        return tuple(map(tuple, value)) if _is_polygon(value) else None
+    return tuple(value) if _is_tuple(value, _NUMBERS.get(key.type, 0)) else None
+
+
+def _is_tuple(value: Any, length: int) -> bool:
+    return isinstance(value, list) and len(value) == length > 0 and all(map(_is_int, value))
+
+
+def _is_polygon(corners: Any) -> bool:
+    if not isinstance(corners, list) or not all(_is_tuple(corner, 2) for corner in corners):
+        return False
+    try:
+        return bool(canonical(tuple(map(tuple, corners))))
+    except ValueError:
+        return False
 
 
 def _is_int(value: Any) -> bool:
