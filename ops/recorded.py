@@ -29,7 +29,7 @@ class _TeamFile(msgspec.Struct):
 
 
 @dataclass
-class _Run:
+class Story:
     """The world's story in its own order. `faults` are kept by the step that begins after them."""
 
     actions: dict[int, dict[str, tuple[str, ...]]] = field(default_factory=dict)
@@ -57,10 +57,10 @@ def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violati
     if scene is None:
         return []
     domain = load(scene.domain)
-    run = _story(recording, scene)
+    run = story(recording, scene)
     last = max(run.actions, default=-1)
     found: list[Violation] = []
-    state = {workspace.team: _initial(scene, workspace.team) for workspace in scene.workspaces}
+    state = {workspace.team: initial(scene, workspace.team) for workspace in scene.workspaces}
     first = 0
     for end in [*sorted(run.persons), last + 1]:
         if first < end:
@@ -74,7 +74,7 @@ def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violati
 def _segment(
     domain: Domain,
     static: Mapping[str, Value],
-    run: _Run,
+    run: Story,
     state: Mapping[str, State],
     first: int,
     end: int,
@@ -96,7 +96,7 @@ def _segment(
 
 
 def _broken(
-    domain: Domain, run: _Run, plan: Mapping[str, tuple[tuple[str, ...], ...]], first: int, end: int
+    domain: Domain, run: Story, plan: Mapping[str, tuple[tuple[str, ...], ...]], first: int, end: int
 ) -> tuple[list[Break], dict[str, dict[str, Value]]]:
     """Robots that break in these steps, unseen, and those that are known to be broken when they begin."""
     breaks: list[Break] = []
@@ -112,7 +112,7 @@ def _broken(
     return breaks, known
 
 
-def _repaired(domain: Domain, run: _Run, team: str, robot: str, since: int, before: int) -> bool:
+def _repaired(domain: Domain, run: Story, team: str, robot: str, since: int, before: int) -> bool:
     steps = (run.actions.get(step, {}).get(team, ()) for step in range(since, before))
     return any(_is_repair(domain, action) and _concerns(action, robot) for actions in steps for action in actions)
 
@@ -125,7 +125,7 @@ def _concerns(action: str, robot: str) -> bool:
     return robot in action.partition("(")[2].rstrip(")").split(",")
 
 
-def _initial(scene: Scene, team: str) -> State:
+def initial(scene: Scene, team: str) -> State:
     """What a team senses at the start, as the scene says."""
     state: State = {}
     for entity in scene.entities:
@@ -138,9 +138,9 @@ def _initial(scene: Scene, team: str) -> State:
     return state
 
 
-def _story(recording: Recording, scene: Scene) -> _Run:
+def story(recording: Recording, scene: Scene) -> Story:
     """The world's events in the order in which it said them; a step that was begun twice counts as begun again."""
-    run = _Run()
+    run = Story()
     told = [(e.inc, e.seq, e.body) for e in recording.events if e.src == "world" and isinstance(e.body, Event)]
     places = {e.id: (e.team, e.name) for e in scene.entities if scene.kinds[e.kind].role == "robot"}
     given: dict[str, tuple[str, str, int]] = {}
@@ -181,7 +181,7 @@ def _story(recording: Recording, scene: Scene) -> _Run:
     return run
 
 
-def _note_fault(run: _Run, fault: Event, step: int, places: Mapping[str, tuple[str, str]]) -> None:
+def _note_fault(run: Story, fault: Event, step: int, places: Mapping[str, tuple[str, str]]) -> None:
     kind, target = str(fault.data["kind"]), str(fault.data["target"])
     if kind in PERSONS:
         run.persons.add(step)
