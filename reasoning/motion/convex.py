@@ -7,6 +7,7 @@ single point; a disc is a core of one point with a radius around it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 Point = tuple[float, float]
@@ -37,7 +38,7 @@ def canonical(vertices: tuple[Point, ...]) -> Polygon:
         idle, points = len(kept) < len(points), kept
     if len(points) < 3:
         raise ValueError(f"a polygon needs three corners that are not on one line: {vertices}")
-    if not _simple(points):
+    if len(points) > 3 and not _simple(points):
         raise ValueError(f"a polygon that crosses or touches itself: {vertices}")
     if sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(points, points[1:] + points[:1], strict=True)) < 0:
         points.reverse()
@@ -50,6 +51,8 @@ def _mm(point: Point) -> tuple[int, int]:
 
 
 def _simple(points: list[Point]) -> bool:
+    if len(points) == 4 and (_convex(points) or _convex(points[::-1])):
+        return True
     exact = [_mm(p) for p in points]
     edges = list(zip(exact, exact[1:] + exact[:1], strict=True))
     return not any(
@@ -75,6 +78,8 @@ def _touch(a: Point, b: Point, c: Point, d: Point) -> bool:
 def convex_parts(polygon: Polygon) -> tuple[Polygon, ...]:
     """Convex polygons that together cover the canonical `polygon`: ears are cut off, then put together again as long
     as the result is convex (Hertel and Mehlhorn 1983)."""
+    if _convex(polygon):
+        return (polygon,)
     left = list(polygon)
     parts: list[Polygon] = []
     while len(left) > 3:
@@ -91,6 +96,10 @@ def convex_parts(polygon: Polygon) -> tuple[Polygon, ...]:
             j, parts[i] = merged
             del parts[j]
     return tuple(parts)
+
+
+def _convex(polygon: Sequence[Point]) -> bool:
+    return all(turn(polygon[k - 2], polygon[k - 1], polygon[k]) >= 0 for k in range(len(polygon)))
 
 
 def _is_ear(points: list[Point], i: int) -> bool:
@@ -110,7 +119,7 @@ def _merged(a: Polygon, b: Polygon) -> Polygon | None:
         rest = b[k:] + b[:k]
         if rest[-1] == head:
             ring = a[i:] + a[:i] + rest[1:-1]
-            return ring if all(turn(ring[k - 2], ring[k - 1], ring[k]) >= 0 for k in range(len(ring))) else None
+            return ring if _convex(ring) else None
     return None
 
 
