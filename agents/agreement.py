@@ -13,6 +13,7 @@ from agents.setups import GivenPlan
 from bus import messages as m
 from bus.node import Node
 from reasoning.sharing import Asking, Shared
+from reasoning.words import count
 
 
 class Waiting(NamedTuple):
@@ -86,7 +87,7 @@ class Agreement:
                 if team not in self._requests:
                     self.search.asked += 1
                     self._requests.send(team, m.Ask(self._epoch, m.Question(*q)))
-            return Waiting(f"asking about {result.within} steps")
+            return Waiting(f"asking about {count(result.within, 'step')}")
         if result.status in ("optimal", "feasible"):
             return self._adopt(result)
         return NoPlan("; ".join(filter(None, [result.proof, *self.search.hopeless()])))

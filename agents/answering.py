@@ -10,6 +10,7 @@ from agents.mind import Mind
 from agents.questions import Planning, Prospects
 from bus import messages as m
 from bus.messages import Envelope
+from reasoning.words import count
 
 
 class Answering:
@@ -90,7 +91,7 @@ class Answering:
             self._begin_planning()
         q = ask.question
         words = {"alone": "alone", "lend": f"lending by {q.step}", "borrow": f"borrowing from {q.step}"}[q.kind]
-        self.mind.show(f"planning: {q.within} steps {words}?")
+        self.mind.show(f"planning: {count(q.within, 'step')} {words}?")
 
         def answer(reply: m.Answer) -> None:
             self.mind.node.reply(envelope, reply)
@@ -133,7 +134,7 @@ class Answering:
             )
             self.mind.node.emit(
                 "plan_adopted",
-                f"{team} adopts a plan of {found.makespan} steps{also[found.role]}",
+                f"{team} adopts a plan of {count(found.makespan, 'step')}{also[found.role]}",
                 team=team,
                 epoch=adopt.epoch,
                 start=found.start,

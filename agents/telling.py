@@ -12,6 +12,7 @@ from agents.search import Search
 from bus.messages import Answer, Exchange, Question, Status
 from bus.node import Node
 from reasoning.sharing import Shared
+from reasoning.words import count
 
 
 def up(node: Node, role: str) -> None:
@@ -37,7 +38,7 @@ def answered(node: Node, team: str, answer: Answer) -> None:
 
 def bounds(node: Node, epoch: int, search: Search) -> None:
     known = f"; one of {search.best} is known" if search.best > 0 else ""
-    text = f"no shared plan is shorter than {search.bound} steps{known}"
+    text = f"no shared plan is shorter than {count(search.bound, 'step')}{known}"
     node.emit("bound", text, epoch=epoch, lower=search.bound, best=search.best)
 
 
@@ -46,7 +47,7 @@ def adopted(node: Node, epoch: int, adoption: Adoption, questions: int, exchange
     status, proof = (plan.status, plan.proof) if isinstance(plan, Shared) else ("given", "given, not searched")
     node.emit(
         "shared_plan",
-        f"shared plan of {makespan} steps from step {adoption.start} on, {status}: {proof}",
+        f"shared plan of {count(makespan, 'step')} from step {adoption.start} on, {status}: {proof}",
         epoch=epoch,
         start=adoption.start,
         makespan=makespan,
@@ -82,4 +83,4 @@ def status(doing: str, step: int, epoch: int, over: bool, search: Search, exchan
 
 def _words(q: Question) -> str:
     how = {"alone": "alone", "lend": f"lending by step {q.step}", "borrow": f"borrowing from step {q.step} on"}[q.kind]
-    return f"in {q.within} steps {how}"
+    return f"in {count(q.within, 'step')} {how}"

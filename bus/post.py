@@ -219,7 +219,8 @@ class Post:
         for reason, count in sorted(counts.items()):
             fresh = count - self._refused_told.get(reason, 0)
             if fresh:
-                self.emit("refused", f"{fresh} messages refused: {reason}", {"reason": reason, "count": fresh})
+                text = f"refused {fresh} of the messages received: {reason}"
+                self.emit("refused", text, {"reason": reason, "count": fresh})
         self._refused_told = counts
 
 

@@ -20,8 +20,8 @@ from bus.node import NoAnswer, NodeConfig, open_node
 from bus.transport import TransportError
 from ops import registry
 from ops.places import runs, shipped
+from ops.ports import HOST, free_port
 from ops.processes import ROUTER
-from ops.running import HOST, free_port
 from ops.supervisor import GaveUpError, Supervisor, TooLongError
 
 # What is imported to see whether it works; nothing for those that are only looked up, since importing them is dear.

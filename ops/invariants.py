@@ -19,6 +19,7 @@ from bus.keys import WORLD
 from bus.messages import Beat, Envelope, Event, Frame
 from bus.scene import Scene
 from ops.recording import Recording
+from reasoning.words import count
 
 BENCH = "bench"
 
@@ -148,14 +149,14 @@ def commands(recording: Recording) -> Iterator[str]:
                 yield f"{teams[command]} ended without having begun"
     for (command, _), number in begun.items():
         if number > 1:
-            yield f"{teams[command]} was begun {number} times"
+            yield f"{teams[command]} was begun {count(number, 'time')}"
     for command, number in ended.items():
         if number > 1:
-            yield f"{teams[command]} took effect {number} times"
+            yield f"{teams[command]} took effect {count(number, 'time')}"
     for (team, step), several in of_step.items():
         if len(several) > 1:
             named = ", ".join(sorted(several))
-            yield f"step {step} of {team} was carried out {len(several)} times, by the commands {named}"
+            yield f"step {step} of {team} was carried out {count(len(several), 'time')}, by the commands {named}"
 
 
 def counts(recording: Recording) -> Iterator[str]:
@@ -166,7 +167,7 @@ def counts(recording: Recording) -> Iterator[str]:
     for (source, life), numbers in sorted(in_file.items()):
         gaps = sorted(set(range(1, max(numbers) + 1)) - numbers)
         if gaps:
-            yield f"{source} (life {life}): {len(gaps)} events are missing, the first is number {gaps[0]}"
+            yield f"{source} (life {life}): events missing: {len(gaps)}, the first is number {gaps[0]}"
     claimed: Counter[tuple[str, int]] = Counter()
     for envelope in recording.beats:
         if isinstance(envelope.body, Beat):
@@ -174,19 +175,19 @@ def counts(recording: Recording) -> Iterator[str]:
             claimed[key] = max(claimed[key], envelope.body.events)
     for key, number in sorted(claimed.items()):
         if number > max(in_file.get(key, {0})):
-            yield f"{key[0]} (life {key[1]}): it had emitted {number} events, {len(in_file.get(key, ()))} are recorded"
+            yield f"{key[0]} (life {key[1]}): emitted {count(number, 'event')}, recorded {len(in_file.get(key, ()))}"
     if recording.summary is None:
         yield "the recording has no summary: it was cut off"
         return
-    for count in recording.summary.sources:
-        who = f"{count.source} (life {count.incarnation})"
-        numbers = in_file.get((count.source, count.incarnation), set())
-        if count.recorded != len(numbers):
-            yield f"{who}: {count.recorded} events were recorded, {len(numbers)} are in the file"
-        if count.sent >= 0 and count.sent != len(numbers):
-            yield f"{who}: {count.sent} events were sent, {len(numbers)} are in the file"
-        if count.received < count.recorded:
-            yield f"{who}: {count.recorded} events are recorded, only {count.received} were received"
+    for said in recording.summary.sources:
+        who = f"{said.source} (life {said.incarnation})"
+        numbers = in_file.get((said.source, said.incarnation), set())
+        if said.recorded != len(numbers):
+            yield f"{who}: events recorded: {said.recorded}, in the file: {len(numbers)}"
+        if said.sent >= 0 and said.sent != len(numbers):
+            yield f"{who}: events sent: {said.sent}, in the file: {len(numbers)}"
+        if said.received < said.recorded:
+            yield f"{who}: events recorded: {said.recorded}, received only: {said.received}"
 
 
 def _world_history(recording: Recording) -> list[Envelope]:

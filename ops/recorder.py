@@ -22,6 +22,7 @@ from bus.scene import Scene
 from bus.transport import TransportError
 from ops.accounts import Ask, Recorder
 from ops.recording import Summary, Writer, load, parts_of
+from reasoning.words import count
 
 LOOK_S = 0.5
 """Wall seconds between two looks at what is missing, and at most so much is unwritten after a crash."""
@@ -92,7 +93,7 @@ def record(node: Node, directory: Path, stop: threading.Event) -> Summary:
     listen(node, recorder)
     looked_s = 0.0
     while not stop.is_set():
-        node.beat(f"{recorder.count} events recorded")
+        node.beat(f"{count(recorder.count, 'event')} recorded")
         node.post.wait(LOOK_S)
         if wall_s() - looked_s >= LOOK_S:
             recorder.mend()

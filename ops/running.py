@@ -5,9 +5,7 @@ What is shown meanwhile is a `Show`'s business (`ops.shows`): plain lines, the d
 
 from __future__ import annotations
 
-import errno
 import shutil
-import socket
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,6 +22,7 @@ from ops import registry
 from ops.compile import Compiled, compile_scenario
 from ops.identities import issue
 from ops.plans import read_plan
+from ops.ports import HOST, free_port
 from ops.processes import RECORDER, ROUTER, SUPERVISOR, Layout, commands
 from ops.recording import load, parts_of
 from ops.scenario import Scenario
@@ -32,7 +31,6 @@ from ops.supervisor import GaveUpError, Supervisor, TooLongError
 from ops.tables import InputError
 from ops.verdict import Report, judge
 
-HOST = "127.0.0.1"
 EVERYWHERE = ("0.0.0.0", "")
 OPEN_S = 30.0
 RECORDER_S = 20.0
@@ -140,9 +138,10 @@ def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | 
             until = partial(_over, run, limits.simulated_s)
             boss.until(until, limits.wall_s, "the coordinator's last word (limits.wall_s)")
             if run.over is None:
-                stopped = f"not over after {limits.simulated_s:g} simulated seconds (limits.simulated_s)"
+                raise TooLongError(f"not over after {limits.simulated_s:g} simulated seconds (limits.simulated_s)")
         except (GaveUpError, TooLongError) as error:
             stopped = str(error)
+            run.needs_person("gave_up" if isinstance(error, GaveUpError) else "too_long", stopped)
         except KeyboardInterrupt:
             interrupted = True
         finally:
@@ -192,6 +191,11 @@ class _Run:
             text = f"{name} {state.replace('_', ' ')}{f': {cause}' if cause else ''}"
             self.seat.emit("process", text, name=name, state=state, cause=cause)
 
+    def needs_person(self, cause: str, why: str) -> None:
+        """The system cannot go on by itself."""
+        if self.seat is not None:
+            self.seat.emit("needs_person", f"a person is needed: {why}", cause=cause)
+
     def interrupt(self) -> None:
         raise KeyboardInterrupt
 
@@ -205,22 +209,6 @@ class _Run:
         if error:
             raise GaveUpError(error)
         self.opened = True
-
-
-def free_port(wanted: int, host: str = HOST) -> int:
-    """The router's port: the wanted one if it is free, else any. Raises `InputError` when it is in use."""
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, wanted))
-        except OSError as error:
-            if error.errno not in (errno.EADDRINUSE, errno.EACCES):
-                raise InputError(f"--host {host}: expected an address of this machine ({error.strerror})") from error
-            users = [one.run for one in registry.listing() if one.connect.endswith(f":{wanted}")]
-            by = f" by the run {users[0]}" if users else ""
-            way_out = "choose another with --port N, or leave --port out and a free one is taken"
-            raise InputError(f"--port {wanted}: cannot be used{by} ({error.strerror}); {way_out}") from error
-        return int(probe.getsockname()[1])
 
 
 def _home(run: str, record: Path | None) -> Path:

@@ -20,6 +20,7 @@ from typing import Literal
 
 from ops.children import Children, Report
 from ops.restarts import Restarts
+from reasoning.words import count
 
 Post = Callable[[], None]
 Say = Callable[[str, str, str], None]
@@ -208,7 +209,7 @@ class Supervisor:
         wait_s = child.restarts.died(self._now())
         if wait_s is None:
             child.state = "ended"
-            reason = f"{child.name} died {child.starts} times, last: {cause}; see {child.log}"
+            reason = f"{child.name} died {count(child.starts, 'time')}, last: {cause}; see {child.log}"
             self._say(child.name, "gave_up", reason)
             raise GaveUpError(reason)
         child.state = "waiting"

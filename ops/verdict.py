@@ -9,6 +9,7 @@ import msgspec
 
 from bus.messages import Beat, Envelope, Event, RunOver
 from ops.scenario import Verdict
+from reasoning.words import count
 
 NOT_OVER = "the run ended before the coordinator said that it was over"
 
@@ -104,7 +105,7 @@ def written(pattern: Mapping[str, Any]) -> str:
 
 
 def _makespan(limit: int, makespan: int, goal: bool) -> Condition:
-    return Condition(f"makespan at most {limit}", goal and makespan <= limit, f"{makespan} steps")
+    return Condition(f"makespan at most {limit}", goal and makespan <= limit, count(makespan, "step"))
 
 
 def _optimal(wanted: bool, plans: Sequence[Event]) -> Condition:

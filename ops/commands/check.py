@@ -14,6 +14,7 @@ from ops.tables import InputError
 from reasoning.domain import domains
 from reasoning.domain import load as load_domain
 from reasoning.values import Violation
+from reasoning.words import count
 
 EPILOG = """\
 Exit code 0: nothing is wrong; 1: there are violations; 3: a recorded run breaks an invariant.
@@ -54,7 +55,8 @@ def execute(args: argparse.Namespace) -> int:
         for discrepancy in verdict.discrepancies:
             print(f"discrepancy  {_text(discrepancy)}")
         longest = max(map(len, file.teams.values()), default=0)
-        print(f"{path}: {len(file.teams)} teams, {longest} steps: {_count(len(verdict.violations), 'violation')}")
+        size = f"{count(len(file.teams), 'team')}, {count(longest, 'step')}"
+        print(f"{path}: {size}: {_found(len(verdict.violations), 'violation')}")
     return 1 if verdict.violations else 0
 
 
@@ -81,8 +83,8 @@ def _recording(path: Path, as_json: bool) -> int:
             print(f"violation    {_text(violation)}")
         for text in broken:
             print(f"invariant    {text}")
-        found = f"{_count(len(violations), 'violation')}, {_count(len(broken), 'broken invariant')}"
-        print(f"{path}: {len(recording.events)} events: {found}")
+        found = f"{_found(len(violations), 'violation')}, {_found(len(broken), 'broken invariant')}"
+        print(f"{path}: {count(len(recording.events), 'event')}: {found}")
     return 3 if broken else 1 if violations else 0
 
 
@@ -103,5 +105,5 @@ def _text(violation: Violation) -> str:
     return f"{violation.team} step {violation.step}  {violation.action}: {violation.text} [{violation.rule}]"
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
+def _found(number: int, what: str) -> str:
+    return count(number, what) if number else f"no {what}s"

@@ -16,6 +16,7 @@ from bus.clock import wall_s
 from ops.commands.common import chosen_scenario, json_option, print_json, scenario_options
 from ops.planning import JointPlan, solve
 from ops.scenario import Scenario
+from reasoning.words import count
 
 EPILOG = """\
 When the budget is spent, or on Ctrl-C, the best plan so far is printed, with the proven bound and the gap between them.
@@ -105,11 +106,11 @@ def as_json(plan: JointPlan, scenario: Scenario) -> dict[str, object]:
 
 def as_text(plan: JointPlan) -> str:
     """The plan for people: a line a step and team."""
-    lines = [f"{plan.status}: {plan.makespan} steps, at least {plan.lower_bound} are needed"]
+    lines = [f"{plan.status}: {count(plan.makespan, 'step')}, no fewer than {plan.lower_bound}"]
     if plan.gap:
         lines[0] += f" (gap {plan.gap})"
     if plan.status == "unknown":
-        lines = [f"unknown: no plan yet, at least {plan.lower_bound} steps are needed"]
+        lines = [f"unknown: no plan yet, no fewer than {count(plan.lower_bound, 'step')}"]
     elif plan.status == "infeasible":
         lines = ["infeasible: no plan"]
     lines.append(f"proof: {plan.proof or 'none'}")
@@ -119,5 +120,5 @@ def as_text(plan: JointPlan) -> str:
     for team, steps in plan.teams.items():
         lines.append(f"{team}:")
         lines += [f"  {step:3}  {', '.join(actions) or '-'}" for step, actions in enumerate(steps)]
-    lines.append(f"{plan.questions} questions, {plan.seconds:.1f} s")
+    lines.append(f"{count(plan.questions, 'question')}, {plan.seconds:.1f} s")
     return "\n".join(lines)

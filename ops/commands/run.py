@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import NoReturn
 
 from ops.commands.common import json_option, print_json, scenario_options
-from ops.running import HOST, Options, Outcome, Show
+from ops.ports import HOST
+from ops.running import Options, Outcome, Show
 from ops.running import execute as run_scenario
 from ops.scenario import load
 from ops.shows import Lines, Screen, Silence
 from ops.tables import InputError
 from ops.verdict import Report
+from reasoning.words import count
 
 EPILOG = """\
 With a terminal the run is shown on the live dashboard (q ends it); without one, or with --headless, as lines.
@@ -85,14 +87,14 @@ def as_text(outcome: Outcome) -> str:
     lines = [
         "",
         f"goal        {'reached' if report.goal else 'not reached'}: {report.reason}",
-        f"makespan    {report.makespan} steps",
+        f"makespan    {count(report.makespan, 'step')}",
         f"replans     {report.replans}",
     ]
     for diagnosis in report.diagnoses or ({"text": "none"},):
         lines.append(f"diagnosis   {diagnosis.get('text', diagnosis)}")
     lines.append(
         f"messages    {messages.sent} sent, {messages.received} received, {messages.repeated} repeated, "
-        f"{messages.refused} refused; {messages.events} events"
+        f"{messages.refused} refused; {count(messages.events, 'event')}"
     )
     broken = report.invariants
     lines.append(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rich.text import Text
 
 from ops.dashboard import floor, words
 from ops.dashboard.model import Model
 from ops.dashboard.text import Block, clean, ends, fit, joined, line
+from reasoning.words import count
 
 
 def header(model: Model, width: int, note: str = "") -> Block:
@@ -25,8 +28,13 @@ def verdict(model: Model) -> Text:
     over = model.over or {}
     good = bool(over.get("goal"))
     head = (" GOAL REACHED " if good else " GOAL NOT REACHED ", "bold white on green" if good else "bold white on red")
-    facts = f" {over.get('makespan', '?')} steps, {over.get('replans', '?')} replans"
+    facts = f" {_number(over, 'makespan', 'step')}, {_number(over, 'replans', 'replan')}"
     return joined(" ", head, facts, *(f" · {part}" for part in (over.get("reason"), *model.verdict) if part))
+
+
+def _number(over: Mapping[str, object], field: str, noun: str) -> str:
+    value = over.get(field)
+    return count(value, noun) if isinstance(value, int) else f"? {noun}s"
 
 
 def search(model: Model) -> Text:
@@ -38,13 +46,13 @@ def search(model: Model) -> Text:
     start = max((s.start for s in model.statuses.values() if s.plan), default=0)
     since = f" from step {start} on" if start else ""
     if 0 <= status.best <= least:
-        parts.append((f" · {status.best} steps{since}, proved shortest", "green"))
+        parts.append((f" · {count(status.best, 'step')}{since}, proved shortest", "green"))
     elif status.best >= 0:
-        parts.append((f" · {status.best} steps{since}, at least {least}, gap {status.best - least}", "yellow"))
+        parts.append((f" · {count(status.best, 'step')}{since}, at least {least}, gap {status.best - least}", "yellow"))
     elif status.bound >= 0:
-        parts.append((f" · at least {least} steps", ""))
+        parts.append((f" · at least {count(least, 'step')}", ""))
     if status.questions:
-        parts.append((f" · {status.questions} questions", ""))
+        parts.append((f" · {count(status.questions, 'question')}", ""))
     return joined(*parts)
 
 

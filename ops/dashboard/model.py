@@ -16,6 +16,7 @@ UNLISTED = frozenset({"step_started", "step_ended", "membership"})
 PASSING, PASSING_SHOWN = frozenset({"question", "bound"}), 2
 TONES = {
     "fault_injected": "fault", "discrepancy": "fault", "skill_failed": "fault", "no_plan": "fault", "refused": "fault",
+    "needs_person": "fault",
     "diagnosis": "cause", "inspection": "cause", "contact": "cause", "order": "cause",
     "repair": "recovery", "plan_adopted": "recovery", "search_started": "recovery", "process": "recovery",
     "exchange": "success", "shared_plan": "success", "team_finished": "success", "run_over": "success",

@@ -9,6 +9,7 @@ from ops.dashboard.floor import bodies, floor, progress, robot
 from ops.dashboard.model import Model
 from ops.dashboard.teams import mark_of
 from ops.dashboard.text import Block, ends, fit, joined, line, rule, sized, wrapped
+from reasoning.words import count
 
 
 def bench(model: Model, width: int) -> Text:
@@ -109,7 +110,7 @@ def processes_line(model: Model, width: int) -> Text:
     if any(p.heard_s is not None for p in pulses):
         parts.append((f" · {sum(p.sent_per_s for p in pulses):.0f} messages/s", ""))
     elif pulses:
-        parts.append((f" · {sum(p.beat.sent for p in pulses)} messages", ""))
+        parts.append((f" · {count(sum(p.beat.sent for p in pulses), 'message')}", ""))
     if pulses:
         parts.append((f", slowest answer {max(p.beat.latency_ms for p in pulses):.1f} ms", ""))
     return line(width, *parts)

@@ -82,7 +82,7 @@ def test_list_as_json(capsys: pytest.CaptureFixture[str]) -> None:
 def test_validate(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "validate", "factory/broken_worker")
     assert code == 0
-    assert "2 teams, 6 bodies, 1 faults" in out
+    assert "2 teams, 6 bodies, 1 fault\n" in out
     code, out, _ = run(capsys, "validate", "factory/broken_worker", "--json", "--set", "teams.T2.boxes=3")
     assert code == 0
     assert json.loads(out)["bodies"] == 8

@@ -166,10 +166,17 @@ def test_questions_are_listed_until_something_else_happens() -> None:
 
 
 def test_the_verdict_is_shown_at_the_end() -> None:
-    assert "GOAL REACHED  27 steps, 1 replans · all teams are done" in picture(made_up(4, 27), 80, 24)[1]
+    assert "GOAL REACHED  27 steps, 1 replan · all teams are done" in picture(made_up(4, 27), 80, 24)[1]
     lost = folded([event("run_over", "coordinator", goal=False, reason="no painter", makespan=0, replans=0)])
     assert "GOAL NOT REACHED" in picture(lost, 80, 24)[1]
     assert "no painter" in picture(lost, 80, 24)[1]
+
+
+def test_that_a_person_is_needed_stands_out() -> None:
+    text = "a person is needed: T1 died 6 times"
+    model = folded([event("needs_person", "supervisor", cause="gave_up", text=text)], made_up(2))
+    assert (model.events[-1].text, model.events[-1].tone) == (text, "fault")
+    assert any(text in line for line in picture(model, 160, 50))
 
 
 def test_one_of_many_teams_can_be_looked_at() -> None:

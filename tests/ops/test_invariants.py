@@ -123,16 +123,16 @@ def test_a_step_that_was_under_way_when_the_world_died_may_begin_again() -> None
 def test_counts_that_do_not_agree_are_found() -> None:
     without = tuple(e for e in GOOD.events if (e.src, e.seq) != ("T1", 2))
     found = check(replace(GOOD, events=without))
-    assert any("T1 (life 1): 1 events are missing, the first is number 2" in sentence for sentence in found)
+    assert any("T1 (life 1): events missing: 1, the first is number 2" in sentence for sentence in found)
     assert check(replace(GOOD, summary=None)) == ["the recording has no summary: it was cut off"]
     assert GOOD.summary is not None
     said = msgspec.structs.replace(GOOD.summary, sources=(SourceCount("T1", 1, 9, 3, 3), *GOOD.summary.sources[1:]))
-    assert any("T1 (life 1): 9 events were sent" in s for s in check(replace(GOOD, summary=said)))
+    assert any("T1 (life 1): events sent: 9" in s for s in check(replace(GOOD, summary=said)))
 
 
 def test_a_sign_of_life_that_tells_of_more_events_is_believed() -> None:
     beat = Envelope(1, "made-up", "T1", 1, 999, "b", 60.0, Beat(1, events=77))
-    assert any("it had emitted 77 events" in s for s in check(replace(GOOD, beats=(*GOOD.beats, beat))))
+    assert any("emitted 77 events" in s for s in check(replace(GOOD, beats=(*GOOD.beats, beat))))
 
 
 def test_an_empty_recording_is_not_called_good() -> None:

@@ -57,7 +57,7 @@ def test_two_teams_lend(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> N
 def test_a_plan_for_people_has_a_line_a_step(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "plan", "factory/broken_worker")
     assert code == 0
-    assert out.startswith("optimal: 15 steps, at least 15 are needed\nproof: 14 steps refuted")
+    assert out.startswith("optimal: 15 steps, no fewer than 15\nproof: 14 steps refuted")
     assert out.count("workOn(w1,1)") == 6
 
 

@@ -11,13 +11,15 @@ from pathlib import Path
 
 import pytest
 
+from bus.messages import Event
 from ops import running
 from ops.children import environment
 from ops.processes import Layout, commands
+from ops.recording import load as load_recording
 from ops.registry import listing
 from ops.running import Options
 from ops.scenario import load
-from ops.shows import Silence
+from ops.shows import Lines, Silence
 
 STAND_IN = """
 import sys
@@ -62,6 +64,11 @@ def alive(pid: int) -> bool:
     return True
 
 
+def needs_person(recording: Path) -> list[dict[str, object]]:
+    events = [envelope.body for envelope in load_recording(recording).events]
+    return [event.data for event in events if isinstance(event, Event) and event.kind == "needs_person"]
+
+
 def test_a_run_from_start_to_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     stand_ins(monkeypatch, OVER)
     outcome = running.execute(load("factory/team_killed"), Options(record=tmp_path / "kept"), Silence())
@@ -86,16 +93,22 @@ def test_a_coordinator_that_never_ends_meets_the_limit(tmp_path: Path, monkeypat
     stand_ins(monkeypatch, "pass")
     scenario = load("factory/team_killed", ["limits.wall_s=2"])
     outcome = running.execute(scenario, Options(record=tmp_path / "kept"), Silence())
+    assert [needed["cause"] for needed in needs_person(tmp_path / "kept")] == ["too_long"]
     assert outcome.report.reason == "waited 2 s for: the coordinator's last word (limits.wall_s)"
     assert not outcome.report.goal
     assert not any(alive(pid) for pid in outcome.pids)
 
 
-def test_a_process_that_keeps_dying_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_that_keeps_dying_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     stand_ins(monkeypatch, "raise SystemExit(7)")
     scenario = load("factory/team_killed", ["limits.restarts=1"])
-    outcome = running.execute(scenario, Options(record=tmp_path / "kept"), Silence())
+    outcome = running.execute(scenario, Options(record=tmp_path / "kept"), Lines())
     assert "coordinator died 2 times, last: ended by itself with exit code 7" in outcome.report.reason
+    (needed,) = needs_person(tmp_path / "kept")
+    assert needed == {"cause": "gave_up", "text": f"a person is needed: {outcome.report.reason}"}
+    assert needed["text"] in capsys.readouterr().out
     assert outcome.report.exit_code in (1, 3)
     assert not any(alive(pid) for pid in outcome.pids)
 
