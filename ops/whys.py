@@ -5,182 +5,115 @@ A question may have several parts: each is a claim with the clash that refutes t
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Mapping
 
-from bus.clock import wall_s
 from ops.compile import DELAY
+from ops.tables import InputError
+from ops.whyasker import Asker, Part
+from ops.whysubjects import Subject
+from reasoning.diagnoser import broken_in, diagnose
 from reasoning.domain import Domain
 from reasoning.planner import Planner
-from reasoning.reasons import Exchange, Make, Role, never, no_plan, no_sharing
+from reasoning.reasons import Role, contradicts, never, no_plan, no_sharing, not_possible
 from reasoning.solver import parse
-from reasoning.values import Problem, Question, State, Step, Value
-from reasoning.why import Clash, Possible, Unknown, explain
+from reasoning.values import Case, Problem
+from reasoning.why import Clash, Possible, Unknown
 
-Progress = Callable[[str], None]
-Kind = Literal["alone", "lend", "borrow"]
 BEYOND = 12
 """A length that suffices is looked for up to so many steps beyond the one that is asked about."""
-
-
-@dataclass(frozen=True)
-class Subject:
-    """What is asked about. `teams` are the plan's steps, empty if there is none; `guests` the names that borrowed
-    robots would get."""
-
-    name: str
-    domain: Domain
-    static: Mapping[str, Value]
-    states: Mapping[str, State]
-    guests: Mapping[str, str]
-    teams: Mapping[str, tuple[Step, ...]] = field(default_factory=dict)
-
-    def problem(self, team: str, *, guest: bool = True) -> Problem:
-        return Problem(self.domain.name, self.static, self.states[team], self.guests.get(team, "") if guest else "")
-
-    @property
-    def makespan(self) -> int:
-        return max(map(len, self.teams.values()), default=0)
-
-
-def guests(domain: Domain, states: Mapping[str, State]) -> dict[str, str]:
-    """What a borrowed robot would be called in each team; none if there is nobody to borrow from."""
-    if not domain.data.exchanged or len(states) < 2:
-        return {}
-    prefix = str(domain.data.kinds[domain.data.exchanged]["prefix"])
-    named = {team: re.findall(rf"\({re.escape(prefix)}(\d+)\)", " ".join(state)) for team, state in states.items()}
-    return {team: f"{prefix}{max(map(int, numbers), default=0) + 1}" for team, numbers in named.items()}
-
-
-@dataclass(frozen=True)
-class Part:
-    """`claim` is what is explained, `result` why. `possible` is what to say if there is nothing to explain. `domain` is
-    None for the coordinator's question. `notes` say where the coordinator's facts come from."""
-
-    claim: str
-    result: Clash | Possible | Unknown
-    possible: str
-    domain: Domain | None
-    notes: tuple[str, ...] = ()
-
-    @property
-    def answered(self) -> bool:
-        return isinstance(self.result, Clash) and not self.result.open and self.result.checked
-
-
-@dataclass
-class Asker:
-    """Who asks: `seconds` are what all questions may take together."""
-
-    subject: Subject
-    seconds: float
-    progress: Progress
-    began: float
-    planners: dict[str, Planner] = field(default_factory=dict)
-
-    def left_s(self) -> float:
-        return max(self.seconds - (wall_s() - self.began), 0.0)
-
-    def part(self, claim: str, make: Make, possible: str, domain: Domain | None, notes: tuple[str, ...] = ()) -> Part:
-        self.progress(claim)
-        result = explain(make, seconds=self.left_s(), clock=wall_s, on_progress=self.progress)
-        return Part(claim, result, possible, domain, notes)
-
-    def planner(self, team: str) -> Planner:
-        if team not in self.planners:
-            self.planners[team] = Planner(self.subject.problem(team), clock=wall_s)
-        return self.planners[team]
-
-    def can(self, team: str, question: Question) -> bool | None:
-        """A team's answer; None if it took too long."""
-        self.progress(f"{team}: {question.kind} within {question.within} steps, step {question.step}")
-        verdict = self.planner(team).answer(question, seconds=self.left_s()).verdict
-        return None if verdict == "unknown" else verdict == "yes"
-
-
-class EndedError(Exception):
-    """The time was over before the teams had answered what the question needs."""
+BOUND = 3
+"""At most so many robots are suspected at once."""
 
 
 # ---------------------------------------------------------------- no plan, or none that is shorter
 def no_plan_at_all(asker: Asker) -> list[Part]:
-    """Why is there no plan, however long?"""
+    """Why is there no plan, however long? Of those teams that are to blame, if any can be told before a search."""
     subject = asker.subject
-    teams = [team for team in subject.states if asker.planner(team).hopeless()] or list(subject.states)
+    hopeless = [team for team in subject.states if Planner(subject.problem(team)).hopeless()]
     return [
         asker.part(
             f"{team} has no plan, however long",
             never(subject.problem(team)),
-            f"{team}: nothing speaks against a plan as long as time and room are left out: ask --within STEPS",
-            subject.domain,
+            f"{team}: nothing speaks against a plan as long as time and crowding are left out; ask --within STEPS",
         )
-        for team in teams
+        for team in hopeless or subject.states
     ]
 
 
 def not_within(asker: Asker, within: int, team: str = "") -> list[Part]:
     """Why is there no plan of at most `within` steps? For several teams, which of them, and which exchanges, stand in
     the way; then, with `team`, why that one cannot."""
-    subject = asker.subject
-    if len(subject.states) == 1:
-        (only,) = subject.states
-        return [_alone(asker, only, within)]
-    shared = _shared(asker, f"no shared plan of {within} steps", within, {}, {})
-    return [shared, *(_members(asker, shared, within, team) if team else ())]
+    if len(asker.subject.states) == 1:
+        return [_refused(asker, next(iter(asker.subject.states)), within)]
+    shared = sharing(asker, f"there is no shared plan of {within} steps", within)
+    return [shared, *(_members(asker, shared.result, within, team) if team else ())]
 
 
-def _alone(asker: Asker, team: str, within: int, exchange: Exchange | None = None, claim: str = "") -> Part:
+def _members(asker: Asker, result: Clash | Possible | Unknown, within: int, team: str) -> list[Part]:
+    """Why the team cannot do what the shared clash says of it."""
+    wanted: list[tuple[tuple[Role, int] | None, str]] = []
+    for member in result.members if isinstance(result, Clash) else ():
+        match parse(member):
+            case "alone", (who,) if who == team:
+                wanted.append((None, "without borrowing"))
+            case "early", (who, int(step)) if who == team:
+                wanted.append((("lend", step - 1), f"if it lends before step {step}"))
+            case "late", (who, int(step)) if who == team:
+                wanted.append((("borrow", step + 1), f"if it borrows after step {step}"))
+    return [
+        _refused(asker, team, within, exchange, f" {words}", asker.left_s() / (len(wanted) - number))
+        for number, (exchange, words) in enumerate(wanted)
+    ]
+
+
+def _refused(
+    asker: Asker,
+    team: str,
+    within: int,
+    exchange: tuple[Role, int] | None = None,
+    words: str = "",
+    seconds: float | None = None,
+) -> Part:
     kind, step = exchange or ("alone", 0)
     lengths = range(within + 1, within + BEYOND)
-    enough = next((k for k in lengths if asker.can(team, Question(kind, k, step))), within + BEYOND)
+    enough = next((k for k in lengths if asker.can(team, kind, k, step)), within + BEYOND)
     return asker.part(
-        claim or f"{team} has no plan of {within} steps",
+        f"{team} cannot finish in {within} steps{words}",
         no_plan(asker.subject.problem(team), within, enough, exchange),
-        f"{team} has a plan of {within} steps",
-        asker.subject.domain,
-        (f"without the limit on steps a plan of {enough} steps was looked for",),
+        f"{team} can finish in {within} steps{words}",
+        f"without the limit on steps, {enough} steps were tried",
+        seconds=seconds,
     )
-
-
-def _members(asker: Asker, shared: Part, within: int, team: str) -> list[Part]:
-    """Why the team cannot what the shared clash says of it."""
-    if not isinstance(shared.result, Clash):
-        return []
-    parts = []
-    for member in shared.result.members:
-        name, args = parse(member)
-        if args[0] != team or name not in ("alone", "early", "late"):
-            continue
-        exchange: Exchange | None = None
-        if name == "early":
-            exchange = ("lend", int(args[1]) - 1)
-        elif name == "late":
-            exchange = ("borrow", int(args[1]) + 1)
-        words = {"alone": "without borrowing", "early": "lending before step {1}", "late": "borrowing after step {1}"}
-        parts.append(
-            _alone(asker, team, within, exchange, f"{team} cannot finish in {within} steps {words[name]}".format(*args))
-        )
-    return parts
 
 
 # ---------------------------------------------------------------- who lends, who borrows
-def _shared(asker: Asker, claim: str, within: int, must: Mapping[str, Role], may_not: Mapping[str, Role]) -> Part:
-    """The coordinator's question, from what the teams answer."""
+def sharing(
+    asker: Asker,
+    claim: str,
+    within: int,
+    must: Mapping[str, Role] | None = None,
+    may_not: Mapping[str, Role] | None = None,
+) -> Part:
+    """The coordinator's question, from what the teams answer. Raises `EndedError`."""
+    must, may_not = must or {}, may_not or {}
     teams = sorted(asker.subject.states)
-    delay = int(asker.subject.static.get(DELAY, 0))
-    alone = [team for team in teams if not _answer(asker, team, Question("alone", within))]
+    alone = [team for team in teams if not asker.can(team, "alone", within)]
     borrowers = {*alone, *(team for team, role in must.items() if role == "borrow")}
-    early = {team: _earliest(asker, team, within) for team in teams if team not in alone}
-    late = {team: _latest(asker, team, within) for team in sorted(borrowers)}
-    early = {team: step for team, step in early.items() if step > 0}
-    make = no_sharing(within, delay, teams, alone=alone, early=early, late=late, must=must, may_not=may_not)
+    make = no_sharing(
+        within,
+        int(asker.subject.static.get(DELAY, 0)),
+        teams,
+        alone=alone,
+        early={team: _earliest(asker, team, within) for team in teams if team not in alone},
+        late={team: _latest(asker, team, within) for team in sorted(borrowers)},
+        must=must,
+        may_not=may_not,
+    )
     notes = (
         "nobody lends or borrows more than one robot, and nobody does both",
-        "what a team cannot was refuted by its own planner",
+        "what a team cannot do was refuted by its own planner",
     )
-    return asker.part(claim, make, f"{within} steps are possible with these roles", None, notes)
+    return asker.part(claim, make, f"{within} steps are possible so", *notes, shared=True)
 
 
 def _earliest(asker: Asker, team: str, within: int) -> int:
@@ -188,7 +121,7 @@ def _earliest(asker: Asker, team: str, within: int) -> int:
     low, high = 0, within
     while low < high:
         middle = (low + high) // 2
-        if _answer(asker, team, Question("lend", within, middle)):
+        if asker.can(team, "lend", within, middle):
             high = middle
         else:
             low = middle + 1
@@ -200,15 +133,87 @@ def _latest(asker: Asker, team: str, within: int) -> int:
     low, high = -1, within - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if _answer(asker, team, Question("borrow", within, middle)):
+        if asker.can(team, "borrow", within, middle):
             low = middle
         else:
             high = middle - 1
     return low
 
 
-def _answer(asker: Asker, team: str, question: Question) -> bool:
-    verdict = asker.can(team, question)
-    if verdict is None:
-        raise EndedError(f"{team} had not answered whether it can {question.kind} within {question.within} steps")
-    return verdict
+def other_role(asker: Asker, role: Role, team: str, other: str, deep: str = "") -> list[Part]:
+    """Why does `team` lend or borrow, and not `other`, in a plan of this length? Then, with `deep`, why that team
+    cannot do what stands in the way. Raises `InputError` if it does not."""
+    subject = asker.subject
+    plays = {role: {x.giver if role == "lend" else x.taker for x in subject.exchanges} for role in ("lend", "borrow")}
+    if team not in plays[role]:
+        told = ", ".join(sorted(plays[role])) or "nobody"
+        raise InputError(f"{team} does not {role} in this plan; who does: {told}")
+    claim = f"{subject.makespan} steps are not possible unless {team} {role}s"
+    must: dict[str, Role] = {}
+    notes: tuple[str, ...] = ()
+    if other in plays[role]:
+        notes = (f"{other} {role}s in this plan as well, so it cannot do so instead of {team}",)
+    elif other:
+        must = {other: role}
+        claim = f"{subject.makespan} steps are not possible if {other} {role}s and {team} does not"
+    part = sharing(asker, claim, subject.makespan, must, {team: role})
+    shared = Part(part.claim, part.result, part.possible, None, (*notes, *part.notes))
+    return [shared, *(_members(asker, shared.result, subject.makespan, deep) if deep else ())]
+
+
+# ---------------------------------------------------------------- an action, a suspicion
+def impossible(asker: Asker, team: str, action: str, step: int) -> list[Part]:
+    """Why was this action not possible in this step, beside what was done in it?"""
+    subject = asker.subject
+    steps = subject.teams[team]
+    if not 0 <= step <= len(steps):
+        raise InputError(f"--step {step}: {team} has steps 0 to {len(steps)}")
+    guest = parse(action)[1][0] if _skill(subject.domain, action) == "arrive" else ""
+    problem = Problem(subject.domain.name, subject.static, subject.before(team, step), str(guest))
+    others = steps[step] if step < len(steps) else ()
+    claim = f"{team} cannot do {action} in step {step}"
+    make = not_possible(problem, action, others)
+    return [asker.part(claim, make, f"{team} can do {action} in step {step}", first=step)]
+
+
+def _skill(domain: Domain, action: str) -> str:
+    try:
+        return str(domain.data.actions.get(parse(action)[0], {}).get("skill", ""))
+    except ValueError as error:
+        raise InputError(f"--action {action}: expected an action, as move(w1,right)") from error
+
+
+def suspicion(asker: Asker, team: str, suspected: str, other: str, step: int | None = None) -> list[Part]:
+    """Why is one robot suspected, and another not? Of a case, or of the team's discrepancy in that step. Inspections
+    are looked at where the question cannot be answered without."""
+    case, findings, at = _case(asker.subject, team, step)
+    least = diagnose(case).least
+    most = len(broken_in(least[0])) if least else case.bound
+    told = " or ".join("{" + ", ".join(d.causes) + "}" for d in least) or "nothing that the team knows of"
+    when = f" after step {at}" if asker.subject.case is None else ""
+    note = f"explanations with fewest causes{', before any inspection' if findings else ''}: {told}"
+
+    def asked(claim: str, possible: str, broken: str = "", whole: str = "") -> Part:
+        for known in [{}, findings] if findings else [{}]:
+            make = contradicts(case, broken=broken, whole=whole, most=most, findings=known)
+            part = asker.part(f"{claim}{when}", make, f"{possible}{when}: {told}", note, first=at)
+            if not isinstance(part.result, Possible):
+                break
+        return part
+
+    parts = [asked(f"{suspected} is broken", f"{suspected} may be whole", whole=suspected)] if suspected else []
+    return parts + ([asked(f"{other} is not suspected", f"{other} is suspected too", broken=other)] if other else [])
+
+
+def _case(subject: Subject, team: str, step: int | None) -> tuple[Case, Mapping[str, str], int]:
+    """What the team knew of the step in which things went otherwise, inspections after it, and the step."""
+    if subject.case is not None:
+        return subject.case, {}, 0
+    odd = [when for who, when in subject.odd if who == team and step in (None, when)]
+    if not odd:
+        met = ", ".join(f"{who} in step {when}" for who, when in subject.odd) or "nobody met one"
+        raise InputError(f"{subject.name}: {team} met no discrepancy there; in this run: {met}")
+    at = odd[0]
+    known = subject.before(team, at)
+    case = Case(subject.domain.name, subject.static, known, (subject.teams[team][at],), subject.seen[at][team], BOUND)
+    return case, subject.findings.get((team, at), {}), at

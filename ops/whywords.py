@@ -25,8 +25,8 @@ SHARING = {
 
 
 class Told(NamedTuple):
-    """`member` as the program writes it. `otherwise` says what is wrong with a way that does without it: the text of
-    the rule that it breaks; empty where there is nothing to say. `needed` is false if it is open whether it is."""
+    """`member` as the program writes it. `otherwise` says how a way that does without this rule breaks it
+    first; empty for all other members. `needed` is false if it is open whether it is."""
 
     kind: str
     member: str
@@ -35,19 +35,22 @@ class Told(NamedTuple):
     needed: bool
 
 
-def told(clash: Clash, domain: Domain | None) -> list[Told]:
-    """The members, the most telling kinds first; `domain` is None for the coordinator's question."""
+def told(clash: Clash, domain: Domain | None, first: int = 0) -> list[Told]:
+    """The members, the most telling kinds first; `domain` is None for the coordinator's question, `first` the step that
+    the program calls 0."""
     found = []
     for member in clash.members:
-        kind, text = _worded(member, domain) if domain is not None else _shared(member)
+        kind, text = _worded(member, domain, first) if domain is not None else _shared(member)
         model = clash.without.get(member)
-        otherwise = _breach(member, model, domain) if model is not None and domain is not None else ""
+        otherwise = _breach(member, model, domain, first) if model is not None and domain is not None else ""
         found.append(Told(kind, member, text, otherwise, model is not None))
     return sorted(found, key=lambda t: ORDER.index(t.kind))
 
 
-def _worded(member: str, domain: Domain) -> tuple[str, str]:
+def _worded(member: str, domain: Domain, first: int) -> tuple[str, str]:
     name, args = parse(member)
+    if name == "commanded":
+        args = (args[0], int(args[1]) + first)
     why = domain.data.why
     if name in FACTS:
         return FACTS[name], _fluent(str(args[0]), args[1], domain)
@@ -76,18 +79,15 @@ def _fluent(fluent: str, value: Term, domain: Domain) -> str:
     return text.format(args[0] if args else "", values.get(str(value), value))
 
 
-def _breach(member: str, model: Model, domain: Domain) -> str:
-    """The first rule that a way breaks where this member, a rule or a robot, is left out."""
+def _breach(member: str, model: Model, domain: Domain, first: int) -> str:
+    """Where a way breaks this rule for the first time, if it is left out."""
     name, args = parse(member)
-    if name not in ("rule", "robot"):
-        return ""
     broken = [
-        (int(atom.args[4]), str(atom.args[0]), str(atom.args[3]))
+        (int(atom.args[4]), str(atom.args[3]))
         for atom in model.atoms
-        if atom.name == "breach" and args[0] in (atom.args[:1] if name == "rule" else atom.args[1:3])
+        if name == "rule" and atom.name == "breach" and atom.args[0] == args[0]
     ]
     if not broken:
         return ""
-    step, rule, bodies = min(broken)
-    text = domain.data.rules.get(rule, rule).format(*parse(bodies)[1])
-    return f"{text} (step {step})"
+    step, bodies = min(broken)
+    return f"{domain.data.rules[str(args[0])].format(*parse(bodies)[1])} (step {step + first})"

@@ -5,21 +5,21 @@ Each function gives a maker of fresh programs for `reasoning.why.explain`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal
 
-from reasoning.checker import is_term
+from reasoning.checker import Break, Exchange, is_term
 from reasoning.diagnoser import facts_of
 from reasoning.domain import core_program, load
-from reasoning.solver import Program, quoted
-from reasoning.values import Case, Problem, State, Step
+from reasoning.solver import Program, models, quoted
+from reasoning.values import Case, Problem, State, Step, Value
 
 Make = Callable[[], Program]
-Exchange = tuple[Literal["lend", "borrow"], int]
+Role = Literal["lend", "borrow"]
 OPTIONS = ("--config=handy",)
 
 
-def no_plan(problem: Problem, within: int, enough: int, exchange: Exchange | None = None) -> Make:
+def no_plan(problem: Problem, within: int, enough: int, exchange: tuple[Role, int] | None = None) -> Make:
     """Why is there no plan of at most `within` steps? `enough`, more than these, is the length that is tried when the
     number of steps is left out. `exchange` is what the team lends, by a step, or borrows, from a step on.
 
@@ -49,16 +49,17 @@ def not_possible(problem: Problem, action: str, others: Step = ()) -> Make:
     return _maker(problem.domain, "why_action", facts, 1)
 
 
-def contradicts(case: Case, *, broken: str = "", whole: str = "", most: int = 1) -> Make:
-    """What contradicts the hypothesis that this robot is broken, or whole, when at most so many are broken?"""
+def contradicts(
+    case: Case, *, broken: str = "", whole: str = "", most: int = 1, findings: Mapping[str, str] | None = None
+) -> Make:
+    """What contradicts the hypothesis that this robot is broken, or whole, when at most so many are broken?
+    `findings[robot]` is what an inspection said: ``broken`` or ``sound``."""
     facts = [fact.replace("occurs(", "commanded(", 1) for fact in facts_of(case)]
     facts += (
         [f"most({most})."] + ([f"suspect({broken})."] if broken else []) + ([f"cleared({whole})."] if whole else [])
     )
+    facts += [f"inspected({robot},{finding})." for robot, finding in (findings or {}).items()]
     return _maker(case.domain, "why_suspect", facts, 0)
-
-
-Role = Literal["lend", "borrow"]
 
 
 def no_sharing(
@@ -82,6 +83,40 @@ def no_sharing(
     for name, steps in (("early", early), ("late", late), ("must", must), ("may_not", may_not)):
         facts += [f"{name}({quoted(team)},{step})." for team, step in (steps or {}).items()]
     return lambda: _grounded(Program([core_program("why_share")], facts), 0)
+
+
+def follow(
+    domain: str,
+    static: Mapping[str, Value],
+    states: Mapping[str, State],
+    plan: Mapping[str, Sequence[Step]],
+    exchanges: Iterable[Exchange] = (),
+    breaks: Iterable[Break] = (),
+) -> dict[str, list[dict[str, Value]]]:
+    """The states of each team that a plan goes through, as the checker sees them: what was illegal or broken had no
+    effect. One more than the plan has steps.
+
+    Raises ValueError for an action that is not written as a term.
+    """
+    horizon = max(map(len, plan.values()), default=0)
+    facts = [f"horizon({horizon}).", "told.", *(f"static({key},{value})." for key, value in static.items())]
+    for team, state in states.items():
+        facts += [f"team({quoted(team)}).", *(f"init({quoted(team)},{f},{v})." for f, v in state.items())]
+        for step, actions in enumerate(plan.get(team, ())):
+            if wrong := [action for action in actions if not is_term(action)]:
+                raise ValueError(f"not an action: {wrong[0]!r}")
+            facts += [f"occurs({quoted(team)},{action},{step})." for action in dict.fromkeys(actions)]
+    for e in exchanges:
+        ends = f"{quoted(e.giver)},{e.give_step},{quoted(e.taker)},{e.take_step}"
+        facts.append(f"exchange({e.worker},{ends},{e.known_as}).")
+    facts += [f"breaks({quoted(b.team)},{b.robot},{b.step})." for b in breaks]
+    (*_, model) = models([load(domain).program("check"), load(domain).program("why_states")], facts, optimum=True)
+    found: dict[str, list[dict[str, Value]]] = {team: [{} for _ in range(horizon + 1)] for team in states}
+    for name, args in model.atoms:
+        match name, args:
+            case "val", (of, fluent, value, int(step)):
+                found[str(of)][step][str(fluent)] = value
+    return found
 
 
 def _facts(problem: Problem) -> list[str]:
