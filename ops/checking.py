@@ -43,15 +43,15 @@ def implied_breaks(domain: Domain, plan: Mapping[str, Steps]) -> tuple[Break, ..
     breaks = []
     for team, steps in plan.items():
         for step, actions in enumerate(steps):
-            for name, robot in _repairs(domain, actions):
+            for name, robot in repairs(domain, actions):
                 used = [t for t in range(step) if any(robot in _NAME.findall(action)[1:] for action in steps[t])]
-                since = [t for t in used if (robot, name) not in [(r, n) for n, r in _repairs(domain, steps[t])]]
+                since = [t for t in used if (robot, name) not in [(r, n) for n, r in repairs(domain, steps[t])]]
                 if since:
                     breaks.append(Break(team, robot, since[-1]))
     return tuple(breaks)
 
 
-def _repairs(domain: Domain, actions: Sequence[str]) -> list[tuple[str, str]]:
+def repairs(domain: Domain, actions: Sequence[str]) -> list[tuple[str, str]]:
     """The actions that repair, by the skill that carries them out: their names and robots."""
     found = []
     for action in actions:
