@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from bus.messages import Event
 from ops.cases import read_case, shipped_cases
-from ops.checking import implied_breaks
+from ops.checking import implied_breaks, repairs
 from ops.compile import start
 from ops.places import shipped
 from ops.plans import read_plan
@@ -20,6 +21,7 @@ from ops.scenario import Scenario
 from ops.scenario import load as load_scenario
 from ops.tables import InputError
 from reasoning.checker import Exchange
+from reasoning.diagnoser import BROKEN, broken_in
 from reasoning.domain import Domain, domains
 from reasoning.domain import load as load_domain
 from reasoning.reasons import follow
@@ -31,7 +33,8 @@ from reasoning.values import Case, Problem, State, Step, Value
 class Subject:
     """`states` are the teams' at the start, `guests` the names that borrowed robots would get, `teams` the steps of the
     plan or the run, empty if there is none, `exchanges` who lent to whom. `seen[step][team]` is what a recorded run
-    sensed after a step; `findings[team]` what inspections said, with their steps."""
+    sensed after a step; `odd` are the teams and steps of its discrepancies, `findings` what inspections said after each,
+    `broken` teams, robots and the steps after which these were known to be broken."""
 
     name: str
     domain: Domain
@@ -43,6 +46,7 @@ class Subject:
     seen: Mapping[int, Mapping[str, State]] = field(default_factory=dict)
     odd: tuple[tuple[str, int], ...] = ()
     findings: Mapping[tuple[str, int], Mapping[str, str]] = field(default_factory=dict)
+    broken: tuple[tuple[str, str, int], ...] = ()
     case: Case | None = None
 
     @property
@@ -65,10 +69,19 @@ class Subject:
     def before(self, team: str, step: int) -> State:
         """The team's state before a step: as it was sensed, or as the plan predicts it."""
         if self.seen:
-            return self.seen[step - 1][team] if step else self.states[team]
+            seen = self.seen[step - 1][team] if step else self.states[team]
+            return {**seen, **{f"{BROKEN}({robot})": 1 for robot in self._broken(team, step)}}
         breaks = implied_breaks(self.domain, self.teams)
         args = (self.domain.name, self.static, self.states, self.teams, self.exchanges, breaks)
         return follow(*args)[team][step]
+
+    def _broken(self, team: str, step: int) -> Iterable[str]:
+        """The robots that the team knows to be broken before a step of a recorded run."""
+        for who, robot, since in self.broken:
+            after = self.teams[team][since + 1 : step]
+            repaired = {whole for actions in after for _, whole in repairs(self.domain, actions)}
+            if who == team and since < step and robot not in repaired:
+                yield robot
 
 
 def subject_of(what: str) -> Subject:
@@ -117,26 +130,39 @@ def _recorded(path: Path) -> Subject:
     seen: dict[int, dict[str, State]] = {}
     for step in steps:
         seen[step] = {**seen.get(step - 1, first), **run.states.get(step, {})}
-    odd, findings = _surprises(recording)
+    odd, findings, broken = _surprises(recording)
     domain = load_domain(scene.domain)
-    return Subject(path.name, domain, static, first, teams, tuple(run.loans), None, seen, odd, findings)
+    return Subject(path.name, domain, static, first, teams, tuple(run.loans), None, seen, odd, findings, broken)
+
+
+Findings = dict[tuple[str, int], dict[str, str]]
 
 
 def _surprises(
     recording: Recording,
-) -> tuple[tuple[tuple[str, int], ...], dict[tuple[str, int], dict[str, str]]]:
-    """Teams and steps of the discrepancies, and what was found by inspections after each. Nothing of the world's own
-    story is used: the answer must follow from what the team could know."""
+) -> tuple[tuple[tuple[str, int], ...], Findings, tuple[tuple[str, str, int], ...]]:
+    """`odd`, `findings` and `broken` of `Subject`. Nothing of the world's own story is used: the answer must follow
+    from what the team could know."""
     odd: list[tuple[str, int]] = []
-    findings: dict[tuple[str, int], dict[str, str]] = {}
-    for event in _said(recording):
-        team = str(event.data.get("team"))
+    findings: Findings = {}
+    broken: list[tuple[str, str, int]] = []
+    for envelope in recording.events:
+        event = envelope.body
+        if not isinstance(event, Event):
+            continue
+        data, team = event.data, str(event.data.get("team"))
+        last = next((one for one in reversed(odd) if one[0] == team), (team, 0))
         if event.kind == "discrepancy":
-            odd.append((team, int(str(event.data["step"]))))
-        elif event.kind == "inspection" and (last := [one for one in odd if one[0] == team]):
-            findings.setdefault(last[-1], {})[str(event.data["robot"])] = str(event.data["finding"])
-    return tuple(odd), findings
+            odd.append((team, int(str(data["step"]))))
+        elif event.kind == "diagnosis" and isinstance(data["causes"], list) and len(data["causes"]) == 1:
+            broken += [(team, robot, last[1]) for robot in broken_in(Explained(tuple(data["causes"][0])))]
+        elif event.kind == "inspection":
+            findings.setdefault(last, {})[str(data["robot"])] = str(data["finding"])
+            broken += [(team, str(data["robot"]), last[1])] if data["finding"] == BROKEN else []
+    return tuple(odd), findings, tuple(broken)
 
 
-def _said(recording: Recording) -> Iterable[Event]:
-    return (e.body for e in recording.events if isinstance(e.body, Event))
+class Explained(NamedTuple):
+    """An explanation that was recorded."""
+
+    causes: tuple[str, ...]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal
 
 from reasoning.checker import Break, Exchange, is_term
-from reasoning.diagnoser import facts_of
+from reasoning.diagnoser import BROKEN, facts_of
 from reasoning.domain import core_program, load
 from reasoning.solver import Program, models, quoted
 from reasoning.values import Case, Problem, State, Step, Value
@@ -94,7 +94,7 @@ def follow(
     breaks: Iterable[Break] = (),
 ) -> dict[str, list[dict[str, Value]]]:
     """The states of each team that a plan goes through, as the checker sees them: what was illegal or broken had no
-    effect. One more than the plan has steps.
+    effect. One more than the plan has steps; with ``broken(R)`` for robots that are known to be broken then.
 
     Raises ValueError for an action that is not written as a term.
     """
@@ -116,6 +116,8 @@ def follow(
         match name, args:
             case "val", (of, fluent, value, int(step)):
                 found[str(of)][step][str(fluent)] = value
+            case "noticed", (of, robot, int(step)):
+                found[str(of)][step][f"{BROKEN}({robot})"] = 1
     return found
 
 
