@@ -18,6 +18,8 @@ from reasoning.motion.layout import Disc, Layout
 
 MARGIN_M = 0.01
 """Connectivity is decided for a disc that is larger by so much, so that a trajectory has room."""
+ROW_M = 0.5
+"""Pieces of cycles are sorted into rows of so many metres."""
 REMEMBERED = 4096
 """How many points a layout remembers."""
 
@@ -64,9 +66,10 @@ class Connectivity:
 
     def _in_furniture(self, p: Point) -> bool:
         x, y = p
-        return any(
-            x1 < x < x2 and y1 < y < y2 and nearest(p, core)[0] < self._reach for x1, y1, x2, y2, core in self._boxes
-        )
+        for x1, y1, x2, y2, core in self._boxes:
+            if x1 < x < x2 and y1 < y < y2 and nearest(p, core)[0] < self._reach:
+                return True
+        return False
 
     def _in_discs(self, p: Point) -> list[int]:
         x, y = p
@@ -79,9 +82,8 @@ class Connectivity:
         signature = None
         if self.free(p):
             signature, (x, y) = 0, p
-            for x1, y1, x2, y2, mask in self._segments:
-                # The half-line from p to the right meets the segment.
-                if (y1 > y) != (y2 > y) and ((x2 - x1) * (y - y1) - (y2 - y1) * (x - x1) > 0) == (y2 > y1):
+            for low, high, foot, slope, mask in self._rows[int(y / ROW_M)]:
+                if low <= y < high and x < foot + (y - low) * slope:  # on the half-line from p to the right
                     signature ^= mask
         if len(self._signatures) >= REMEMBERED:
             self._signatures.clear()
@@ -93,15 +95,21 @@ class Connectivity:
         return _furniture_links(self.layout.bare, self._reach) + _disc_links(self.layout, self._reach)
 
     @cached_property
-    def _segments(self) -> tuple[Segment, ...]:
-        return cycle_segments(self._links)
+    def _rows(self) -> list[list[Segment]]:
+        """The segments of cycles in each row of the room."""
+        rows: list[list[Segment]] = [[] for _ in range(int(self.layout.height_m / ROW_M) + 1)]
+        for segment in cycle_segments(self._links):
+            first, last = max(0, int(segment.low / ROW_M)), min(len(rows) - 1, int(segment.high / ROW_M))
+            for row in rows[first : last + 1]:
+                row.append(segment)
+        return rows
 
     def _ring(self, p: Point, q: Point) -> frozenset[int]:
         """The discs of an odd cycle with the fewest discs: one that goes round p and not q, or round q and not p."""
         solids = len(self.layout.solids)
         next_to: Graph = {}
         for a, b, way in self._links:
-            odd = sum(meets(way[i], way[i + 1], p) ^ meets(way[i], way[i + 1], q) for i in range(3)) % 2
+            odd = sum(meets(p, way[i], way[i + 1]) ^ meets(q, way[i], way[i + 1]) for i in range(3)) % 2
             next_to.setdefault(a, []).append((b, odd))
             next_to.setdefault(b, []).append((a, odd))
         best: list[int] = []

@@ -20,20 +20,20 @@ class Link(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """A piece of some cycles: those with a bit in the mask."""
+    """A piece of some cycles, those with a bit in the mask: from (x, low) upwards to `high`, x growing by `slope`."""
 
-    x1: float
-    y1: float
-    x2: float
-    y2: float
+    low: float
+    high: float
+    x: float
+    slope: float
     mask: int
 
 
-def meets(a: Point, b: Point, p: Point) -> bool:
+def meets(p: Point, a: Point, b: Point) -> bool:
     """Whether the half-line from p to the right meets the segment ab, which has its lower end and not its upper."""
-    if (a[1] > p[1]) == (b[1] > p[1]):
-        return False
-    return ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) == (b[1] > a[1])
+    if b[1] < a[1]:
+        a, b = b, a
+    return a[1] <= p[1] < b[1] and p[0] < a[0] + (p[1] - a[1]) * ((b[0] - a[0]) / (b[1] - a[1]))
 
 
 def cycle_segments(links: tuple[Link, ...]) -> tuple[Segment, ...]:
@@ -68,12 +68,18 @@ def cycle_segments(links: tuple[Link, ...]) -> tuple[Segment, ...]:
             a = parent[a][1]
         bit <<= 1
     return tuple(
-        Segment(*way[i], *way[i + 1], mask)
+        _segment(way[i], way[i + 1], mask)
         for mask, (_, _, way) in zip(masks, links, strict=True)
         if mask
         for i in range(3)
         if way[i][1] != way[i + 1][1]
     )
+
+
+def _segment(a: Point, b: Point, mask: int) -> Segment:
+    if b[1] < a[1]:
+        a, b = b, a
+    return Segment(a[1], b[1], a[0], (b[0] - a[0]) / (b[1] - a[1]), mask)
 
 
 def shortest_odd(next_to: Graph, start: int, solids: int) -> list[int]:

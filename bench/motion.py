@@ -1,0 +1,200 @@
+"""What motion queries cost: ``python -m bench.motion``, or ``muster bench motion``.
+
+Drawn rooms of 8 x 8 m with nine pieces of furniture at any angle and eight things that are moved about. Exact
+connectivity, beside shapely (grown polygons, their union and its parts) in the same run, if it is installed;
+trajectories between all cells, as a planner with times wants them; a table carried by two robots. Processor time.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable, Iterator
+from itertools import combinations, product
+from statistics import median
+from typing import Any
+
+from bus.clock import wall_s
+from reasoning.motion.connectivity import MARGIN_M, Connectivity
+from reasoning.motion.convex import Point
+from reasoning.motion.layout import Disc, Layout
+from reasoning.motion.oracle import Oracle
+from reasoning.motion.payload import PayloadPlanner
+from reasoning.motion.rigid import carried
+
+try:
+    import shapely
+except ImportError:
+    shapely = None
+
+ROOMS, ARRANGEMENTS, QUERIES = 60, 20, 40
+SIDE_M, RADIUS_M, SPEED = 8.0, 0.25, 3.0
+SEED = 1
+
+
+def run(rooms: int = ROOMS) -> dict[str, Any]:
+    """Measure; times in microseconds (`_us`) and milliseconds (`_ms`) of processor time, wall time for payloads."""
+    rng = random.Random(SEED)
+    drawn = [Layout(SIDE_M, SIDE_M, _furniture(rng), _things(rng)) for _ in range(rooms)]
+    return {
+        "connectivity": _connectivity(rng, drawn),
+        "trajectories": _trajectories(drawn[: rooms // 4]),
+        "payload": _payload(rng, drawn[: rooms // 4]),
+    }
+
+
+def _connectivity(rng: random.Random, drawn: list[Layout]) -> dict[str, Any]:
+    new_room, moved, asked, again, theirs_new, theirs_asked = ([] for _ in range(6))  # type: ignore[var-annotated]
+    yes = 0
+    for layout in drawn:
+        first, p = Connectivity(layout, RADIUS_M), _point(rng)
+        new_room.append(_cost(lambda first=first, p=p: first.path_exists(p, p))[0])
+        for _ in range(ARRANGEMENTS):
+            discs, (p, q) = _things(rng), (_point(rng), _point(rng))
+            moved.append(_cost(lambda f=first, d=discs, p=p, q=q: f.with_discs(d).path_exists(p, q))[0])
+        for _ in range(QUERIES):
+            p, q = _point(rng), _point(rng)
+            cost, found = _cost(lambda f=first, p=p, q=q: f.path_exists(p, q))
+            yes += found
+            asked.append(cost)
+            again.append(_cost(lambda f=first, p=p, q=q: f.path_exists(p, q))[0])
+        if shapely is not None:
+            cost, parts = _cost(lambda layout=layout: _parts(layout))
+            theirs_new.append(cost)
+            for _ in range(QUERIES):
+                p, q = _point(rng), _point(rng)
+                theirs_asked.append(_cost(lambda parts=parts, p=p, q=q: _together(parts, p, q))[0])
+    figures = {
+        "new_room_ms": _spread(new_room, 1e-6),
+        "things_moved_ms": _spread(moved, 1e-6),
+        "query_us": _spread(asked, 1e-3),
+        "query_again_us": _spread(again, 1e-3),
+        "with_a_path": yes / len(asked),
+    }
+    if shapely is not None:
+        figures["shapely_new_room_ms"] = _spread(theirs_new, 1e-6)
+        figures["shapely_query_us"] = _spread(theirs_asked, 1e-3)
+        figures["ratio_new_room"] = median(new_room) / median(theirs_new)
+        figures["ratio_things_moved"] = median(moved) / median(theirs_new)
+        figures["ratio_query"] = median(asked) / median(theirs_asked)
+    return figures
+
+
+def _parts(layout: Layout) -> list[Any]:
+    grown = RADIUS_M + MARGIN_M
+    solid = [shapely.Polygon(p).buffer(grown) for p in layout.polygons]
+    solid += [shapely.Point(x, y).buffer(r + grown) for x, y, r in layout.discs]
+    inner = shapely.box(grown, grown, layout.width_m - grown, layout.height_m - grown)
+    parts = list(shapely.get_parts(inner.difference(shapely.union_all(solid))))
+    shapely.prepare(parts)
+    return parts
+
+
+def _together(parts: list[Any], p: Point, q: Point) -> bool:
+    return any(shapely.contains_xy(part, *p) and shapely.contains_xy(part, *q) for part in parts)
+
+
+def _trajectories(drawn: list[Layout]) -> dict[str, Any]:
+    cells = [(x + 0.5, y + 0.5) for x, y in product(range(int(SIDE_M)), repeat=2)]
+    costs, found, single = [], 0, []
+    for layout in drawn:
+        oracle = Oracle()
+
+        def all_pairs(oracle: Oracle = oracle, room: Layout = layout.bare) -> int:
+            times = (oracle.time_estimate(room, RADIUS_M, p, q, SPEED) for p, q in combinations(cells, 2))
+            return sum(estimate is not None for estimate in times)
+
+        cost, count = _cost(all_pairs)
+        costs.append(cost)
+        found += count
+        far = (cells[0], cells[-1])
+        single.append(_cost(lambda o=oracle, layout=layout, far=far: o.shortest(layout, RADIUS_M, *far))[0])
+    return {
+        "all_pairs_of_64_cells_ms": _spread(costs, 1e-6),
+        "with_a_path": found / len(drawn) / math.comb(len(cells), 2),
+        "one_in_a_new_layout_ms": _spread(single, 1e-6),
+    }
+
+
+def _payload(rng: random.Random, drawn: list[Layout]) -> dict[str, Any]:
+    body = carried(1.0, RADIUS_M, 0.1)
+    costs: dict[str, list[float]] = {"yes": [], "no": [], "undecided": []}
+    with PayloadPlanner(Oracle()) as planner:
+        planner.path(drawn[0], body, (*_point(rng), 0.0), (*_point(rng), 0.0))
+        for layout in drawn:
+            for _ in range(6):
+                start, goal = ((*_point(rng), rng.uniform(-math.pi, math.pi)) for _ in range(2))
+                begun = wall_s()
+                answer = planner.path(layout, body, start, goal)
+                costs[answer.verdict].append(wall_s() - begun)
+    return {verdict: {"count": len(spent), "ms": _spread(spent, 1e3)} for verdict, spent in costs.items() if spent}
+
+
+def _cost(ask: Callable[[], Any]) -> tuple[float, Any]:
+    """Nanoseconds of processor time, and the answer."""
+    begun = time.thread_time_ns()
+    answer = ask()
+    return time.thread_time_ns() - begun, answer
+
+
+def _spread(costs: list[float], unit: float) -> dict[str, float]:
+    ordered = sorted(costs)
+    return {
+        "median": unit * median(ordered),
+        "p99": unit * ordered[99 * (len(ordered) - 1) // 100],
+        "max": unit * ordered[-1],
+    }
+
+
+def _point(rng: random.Random) -> Point:
+    return rng.uniform(0.3, SIDE_M - 0.3), rng.uniform(0.3, SIDE_M - 0.3)
+
+
+def _furniture(rng: random.Random) -> tuple[tuple[Point, ...], ...]:
+    def pieces() -> Iterator[tuple[Point, ...]]:
+        for _ in range(9):
+            x, y, angle = *_point(rng), rng.uniform(0, math.pi)
+            long, wide = rng.uniform(0.4, 2.2), rng.uniform(0.2, 0.9)
+            c, s = math.cos(angle) / 2, math.sin(angle) / 2
+            corners = ((-long, -wide), (long, -wide), (long, wide), (-long, wide))
+            yield tuple((x + c * u - s * v, y + s * u + c * v) for u, v in corners)
+
+    return tuple(pieces())
+
+
+def _things(rng: random.Random) -> tuple[Disc, ...]:
+    return tuple((*_point(rng), rng.uniform(0.05, 0.2)) for _ in range(8))
+
+
+def main() -> None:
+    """Measure and print."""
+    figures = run()
+    row = "{:34}{:10.2f} {unit}{:10.2f} {unit}{:10.2f} {unit}"
+    print(f"{'connectivity of a disc':34}{'median':>13}{'p99':>13}{'max':>13}")
+    found = figures["connectivity"]
+    for name, key in (
+        ("a new room", "new_room_ms"),
+        ("things moved", "things_moved_ms"),
+        ("a query", "query_us"),
+        ("the same again", "query_again_us"),
+        ("shapely: a new room", "shapely_new_room_ms"),
+        ("shapely: a query", "shapely_query_us"),
+    ):
+        if key in found:
+            print(row.format(f"  {name}", *found[key].values(), unit=key[-2:]))
+    if "ratio_query" in found:
+        ratios = (found["ratio_new_room"], found["ratio_things_moved"], found["ratio_query"])
+        print("  of shapely's medians: new room {:.2f}, things moved {:.2f}, query {:.2f}".format(*ratios))
+    print(f"  {100 * found['with_a_path']:.0f} % of the queries with a path")
+    print("trajectories")
+    found = figures["trajectories"]
+    print(row.format("  all pairs of 64 cells", *found["all_pairs_of_64_cells_ms"].values(), unit="ms"))
+    print(row.format("  one in a new layout", *found["one_in_a_new_layout_ms"].values(), unit="ms"))
+    print("a table of 1 m carried by two robots (wall time)")
+    for verdict, spent in figures["payload"].items():
+        print(row.format(f"  {verdict:10} {spent['count']:4} times", *spent["ms"].values(), unit="ms"))
+
+
+if __name__ == "__main__":
+    main()
