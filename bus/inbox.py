@@ -19,7 +19,6 @@ class Inbox:
     """Handlers run on the thread that calls `pump`, in the order of arrival."""
 
     def __init__(self, run: str) -> None:
-        self.received = 0
         self.refused: Counter[str] = Counter()
         """How many messages were refused since the start, by reason."""
         self._run = run
@@ -65,7 +64,6 @@ class Inbox:
         if source and envelope.src != source:
             self.refused["forged"] += 1
             return None
-        self.received += 1
         return envelope
 
 

@@ -109,7 +109,7 @@ class Node:
         the same in both lives; otherwise one is made.
 
         Until then it is sent again under the same id, after `retry_s` simulated seconds and then more and more
-        slowly (up to 8 times that), and at once when the receiver is seen in a new life.
+        slowly (up to 8 times that, in ``fast`` mode up to 2 s), and at once when the receiver is seen in a new life.
         """
         return self.post.outbox.request(to, body, retry_s, request_id)
 

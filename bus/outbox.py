@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 from collections import Counter
 from collections.abc import Callable
+from math import inf
 
 import msgspec
 from msgspec.structs import replace
@@ -18,6 +19,9 @@ from bus.transport import Transport
 
 SLOWEST = 8.0
 """Repetitions slow down to one in so many times the first pause."""
+FAST_S = 2.0
+"""But in ``fast`` mode to one in so many simulated seconds: time waits for who thinks, so only what is lost goes
+unanswered for longer than its work takes, and a step's reply should not wait for the next try as long as the step."""
 
 
 class _Pending(msgspec.Struct):
@@ -26,7 +30,7 @@ class _Pending(msgspec.Struct):
     to: str
     envelope: Envelope
     pause_s: float
-    longest_s: float
+    first_s: float
     since_wall_s: float
     due_s: float
     due_wall_s: float
@@ -46,6 +50,8 @@ class Outbox:
         self.repeated = 0
         self.in_round: Counter[str] = Counter()
         """Mail sent in this round, by receiver."""
+        self.longest_s = inf
+        """No repetition waits for longer."""
         self.impairments = Impairments()
         self._run, self._name, self._incarnation = run, name, incarnation
         self._transport = transport
@@ -89,7 +95,7 @@ class Outbox:
         envelope = self.seal(body, message_id=request_id or self.request_id())
         wall = wall_s()
         self._pending[envelope.id] = _Pending(
-            to, envelope, retry_s, retry_s * SLOWEST, wall, self.now() + retry_s, wall + retry_s
+            to, envelope, retry_s, retry_s, wall, self.now() + retry_s, wall + retry_s
         )
         self.mail(to, envelope)
         return envelope.id
@@ -117,7 +123,7 @@ class Outbox:
         again."""
         for pending in self._pending.values():
             if to is None or pending.to == to:
-                pending.pause_s = pending.longest_s / SLOWEST
+                pending.pause_s = pending.first_s
                 self._repeat(pending)
 
     def send_due(self) -> None:
@@ -137,7 +143,8 @@ class Outbox:
 
     def _repeat_if(self, due: Callable[[_Pending], bool]) -> None:
         for pending in [pending for pending in self._pending.values() if due(pending)]:
-            pending.pause_s = min(2.0 * pending.pause_s, pending.longest_s)
+            slower = min(2.0 * pending.pause_s, SLOWEST * pending.first_s, self.longest_s)
+            pending.pause_s = max(slower, pending.first_s)
             self._repeat(pending)
 
     def next_due_s(self) -> float | None:

@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
+from math import inf
 
 from bus import keys
 from bus.clock import wall_s
 from bus.codec import Refusal, decode, encode
 from bus.messages import Body, Done, Envelope, Join, Tick
 from bus.options import Mode
+from bus.outbox import FAST_S
 from bus.post import Post
 
 JOIN_S = 0.25
@@ -177,6 +179,7 @@ class Participant:
             post.transport.subscribe(keys.tick(post.run), lambda _, payload: setattr(self, "_raw_tick", payload))
         else:
             post.outbox.is_outsider = lambda name: not self._takes_part(name)
+            post.outbox.longest_s = FAST_S if self._mode == "fast" else inf
             post.listen(keys.tick(post.run), self._on_tick, source=keys.WORLD)
 
     def _on_tick(self, envelope: Envelope) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 
 from bus import keys
 from bus.clock import wall_s
-from bus.codec import MAX_BYTES, Refusal, decode, encode
+from bus.codec import MAX_BYTES, Refusal, decode, decode_as, encode
 from bus.events import KINDS
 from bus.inbox import Inbox
 from bus.journal import Journal
@@ -24,6 +24,8 @@ BEAT_S = 0.4
 MAIL_S = 2.0
 REFUSED_S = 1.0
 EVENTS_AT_ONCE = 200
+LINK = "link to "
+"""How the keys of impaired links begin in the journal."""
 
 
 class Post:
@@ -48,9 +50,13 @@ class Post:
         self._lives: dict[str, int] = {}
         self._doing = "starting"
         self._latency_ms = 0.0
-        self._events = 0
+        self._events = self._received = 0
         self._beat_wall_s = self._refused_wall_s = 0.0
         self._refused_told: dict[str, int] = {}
+        for _, packed in journal.items(LINK):  # a bad link stays bad when its process dies
+            impair = decode_as(packed, Impair)
+            if isinstance(impair, Impair):
+                self.outbox.impairments.set(impair)
         transport.subscribe(keys.mail(run, name, "*"), self.inbox.into(self._on_mail))
         transport.present(keys.live(run, name))
 
@@ -84,6 +90,7 @@ class Post:
         envelope = self.inbox.open(key, payload, source=keys.last(key))
         if envelope is None:
             return
+        self._received += 1
         known, self._lives[envelope.src] = self._lives.get(envelope.src, envelope.inc), envelope.inc
         if envelope.inc > known:
             self.reborn.add(envelope.src)
@@ -127,6 +134,7 @@ class Post:
             return True
         body = envelope.body
         if isinstance(body, Impair) and envelope.src == keys.WORLD:
+            self.journal.put(LINK + body.to, encode(body))
             self.answer(envelope, Ok())
             self.outbox.impairments.set(body)
         elif isinstance(body, Impair):
@@ -134,6 +142,7 @@ class Post:
         elif isinstance(body, Ping):
             self.answer(envelope, Ok())
         elif isinstance(body, EventsFrom):
+            self._beat()  # who settles accounts wants the latest figures, too
             self.answer(envelope, self._events_from(body))
         elif (envelope.src, envelope.id) not in self._in_work:
             packed = self.journal.reply_to(envelope.src, envelope.id)
@@ -190,15 +199,16 @@ class Post:
         self.beat_if_due()
 
     def beat_if_due(self) -> None:
-        wall = wall_s()
-        if wall - self._beat_wall_s < BEAT_S:
-            return
-        self._beat_wall_s = wall
+        if wall_s() - self._beat_wall_s >= BEAT_S:
+            self._beat()
+
+    def _beat(self) -> None:
+        self._beat_wall_s = wall_s()
         inbox, outbox = self.inbox, self.outbox
         beat = Beat(
             pid=os.getpid(),
             sent=outbox.total,
-            received=inbox.received,
+            received=self._received,
             refused=inbox.refused.total(),
             repeated=outbox.repeated,
             events=self._events,

@@ -167,7 +167,7 @@ def counts(recording: Recording) -> Iterator[str]:
     for (source, life), numbers in sorted(in_file.items()):
         gaps = sorted(set(range(1, max(numbers) + 1)) - numbers)
         if gaps:
-            yield f"{source} (life {life}): events missing: {len(gaps)}, the first is number {gaps[0]}"
+            yield f"{source} (life {life}): {count(len(gaps), 'event')} missing, the first is number {gaps[0]}"
     claimed: Counter[tuple[str, int]] = Counter()
     for envelope in recording.beats:
         if isinstance(envelope.body, Beat):

@@ -41,7 +41,7 @@ class Faults:
         self._node, self._truth, self._participants = node, truth, participants
         for source, impair in saved.links:
             if source == node.name:
-                node.post.outbox.impairments.set(impair)
+                node.impair(impair)
 
     # ------------------------------------------------------------ when
     def at_step(self, step: int, actions: set[str]) -> Iterator[int]:
@@ -149,7 +149,7 @@ class Faults:
         links[source, to] = now
         self.saved.links = [(name, impair) for (name, _), impair in links.items()]
         if source == self._node.name:
-            self._node.post.outbox.impairments.set(now)
+            self._node.impair(now)
         else:
             self._node.request(source, now)
 

@@ -63,7 +63,8 @@ class Frame(Body, frozen=True):
 
 
 class Beat(Body, frozen=True):
-    """A sign of life from a process's main loop, with its counters since it started."""
+    """A sign of life from a process's main loop, with its counters since it started: mail sent, received and sent
+    again, messages of any stream that were refused, events reported."""
 
     pid: Count
     sent: Count = 0

@@ -123,7 +123,7 @@ def test_a_step_that_was_under_way_when_the_world_died_may_begin_again() -> None
 def test_counts_that_do_not_agree_are_found() -> None:
     without = tuple(e for e in GOOD.events if (e.src, e.seq) != ("T1", 2))
     found = check(replace(GOOD, events=without))
-    assert any("T1 (life 1): events missing: 1, the first is number 2" in sentence for sentence in found)
+    assert any("T1 (life 1): 1 event missing, the first is number 2" in sentence for sentence in found)
     assert check(replace(GOOD, summary=None)) == ["the recording has no summary: it was cut off"]
     assert GOOD.summary is not None
     said = msgspec.structs.replace(GOOD.summary, sources=(SourceCount("T1", 1, 9, 3, 3), *GOOD.summary.sources[1:]))

@@ -86,7 +86,7 @@ def test_former_lives_are_asked_about_and_the_silent_are_named(tmp_path: Path) -
     writer.close()
     assert summary[source, 1].recorded == sum(e.src == source for e in ALL)
     assert (summary["T1", 1].sent, summary["T1", 1].missing) == (-1, (1, 2))
-    assert any("T1 (life 1): 2 events are missing" in s for s in counts(load(tmp_path)))
+    assert any("T1 (life 1): 2 events missing" in s for s in counts(load(tmp_path)))
 
 
 def test_who_is_silent_at_the_end_is_not_taken_by_an_earlier_word(tmp_path: Path) -> None:
