@@ -6,8 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
+from bus.access import OPERATOR
+
 ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR = "router", "recorder", "world", "coordinator", "supervisor"
-RESERVED = (ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard")
+PLACES = ("bench", "gone")
+"""Where a robot can be besides in a team."""
+RESERVED = frozenset({ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard", OPERATOR, *PLACES})
+"""What no team may be called, in whatever case: files and identities have these names, too."""
 
 
 @dataclass(frozen=True)

@@ -134,8 +134,9 @@ def parse(table: Table, path: Path, text: str = "") -> Scenario:
     if not file.teams:
         raise InputError(place(path, text, ["teams"]) + "expected at least one team, as [teams.NAME]")
     for team in file.teams:
-        if team in RESERVED:
-            raise InputError(place(path, text, ["teams", team]) + f"{team} is the name of another process; call it T1")
+        if team.casefold() in RESERVED:
+            taken = f"{team} is the name of a process or a place in every run ({', '.join(sorted(RESERVED))})"
+            raise InputError(place(path, text, ["teams", team]) + f"expected another name; {taken}")
     if file.domain not in domains():
         raise InputError(place(path, text, ["domain"]) + f"expected one of {', '.join(domains())}, not {file.domain!r}")
     if not isinstance(faults, list):

@@ -90,7 +90,25 @@ def test_every_shipped_scenario_can_be_read(name: str) -> None:
         ("seed = 3", "sede = 3", "test.toml, line 3: sede: ", "one of"),
         ('domain = "factory"', 'domain = "fakory"', "line 2: domain: ", "expected one of factory"),
         ("seed = 3", "seed = ", "test.toml: not valid TOML", "line 3"),
-        ("[teams.T1]", "[teams.world]", "line 8: teams.world: ", "the name of another process"),
+        *(
+            (
+                "[teams.T1]",
+                f"[teams.{taken}]",
+                f"line 8: teams.{taken}: ",
+                f"{taken} is the name of a process or a place",
+            )
+            for taken in (
+                "world",
+                "World",
+                "coordinator",
+                "supervisor",
+                "recorder",
+                "router",
+                "operator",
+                "bench",
+                "gone",
+            )
+        ),
         ("at_step = 4\n", "", "line 13: fault[0]: ", "expected exactly one of at_step, at_s, on_action; it has none"),
         ("at_step = 4\n", "at_step = 4\nat_s = 1.0\n", "line 13: fault[0]: ", "it has at_step and at_s"),
         ("at_step = 4", "at_step = -4", "line 14: fault[0].at_step: ", ">= 0"),
