@@ -19,6 +19,7 @@ from bus.scene import Action, Entity, Kind, Scene, Workspace
 from ops.faultwords import Names, problem
 from ops.plans import GivenPlan
 from ops.scenario import Scenario
+from ops.tables import InputError
 from reasoning.domain import Domain, load
 from reasoning.setup import Refused, Setup, compile_setup
 
@@ -45,9 +46,15 @@ class Compiled:
 
 
 def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compiled:
-    """What the processes are told. Raises `InputError` for a set-up or a fault that the domain does not allow."""
+    """What the processes are told. Raises `InputError` for a set-up or a fault that the domain does not allow, and for
+    a domain that can only be planned."""
     setup = start(scenario)
     domain = load(scenario.domain)
+    if not domain.can_run:
+        raise InputError(
+            f"{scenario.path}: scenarios of the domain {domain.name} cannot be run yet: the world does not know its "
+            "skills. There are muster plan, why and check for them"
+        )
     scene = _scene(scenario, domain, setup)
     _check_faults(scenario, scene)
     limit = scenario.limits.conflicts or None

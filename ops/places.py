@@ -15,6 +15,11 @@ def shipped() -> dict[str, Path]:
     return {f"{domain}/{name}": file for domain in domains() for name, file in load(domain).scenarios.items()}
 
 
+def runnable() -> dict[str, Path]:
+    """Those of them that can be run, and not only planned."""
+    return {name: file for name, file in shipped().items() if load(name.split("/")[0]).can_run}
+
+
 def scenario_file(name: str) -> Path:
     """The file that a user means by a path or by ``domain/name``. Raises `InputError`."""
     if Path(name).is_file():

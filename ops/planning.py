@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -17,20 +17,22 @@ from bus.clock import wall_s
 from ops.compile import DELAY, start
 from ops.scenario import Scenario
 from reasoning.checker import Exchange, check
+from reasoning.costs import cheapest, cost
 from reasoning.domain import Domain, load
 from reasoning.planner import Planner
 from reasoning.setup import Setup
 from reasoning.sharing import Asking, Known, Ledger, Shared, advance
-from reasoning.values import Answer, Plan, Problem, Question, Step
+from reasoning.values import Answer, Plan, Problem, Question, Step, Violation
 
-Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+Status = Literal["optimal", "feasible", "infeasible", "unknown", "refused"]
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class JointPlan:
     """The result, as ``muster plan`` prints it. Steps count from 0. With a plan, `gap` is how much shorter a better one
-    might be; without one it is None."""
+    might be; without one it is None. `refused` is what the checker has against a plan whose domain lets it be made
+    without all of the geometry; its status is then ``refused``."""
 
     status: Status
     makespan: int
@@ -40,6 +42,7 @@ class JointPlan:
     teams: Mapping[str, tuple[Step, ...]]
     questions: int
     seconds: float
+    refused: tuple[Violation, ...] = ()
 
     @property
     def gap(self) -> int | None:
@@ -73,6 +76,7 @@ class _Patience:
 class _Team:
     planner: Planner
     ledger: Ledger
+    problem: Problem
     hopeless: str
     plans: dict[Known, Plan] = field(default_factory=dict)
 
@@ -83,6 +87,11 @@ class _Team:
         if plan is not None:
             self.plans[known] = plan
         self.ledger = self.ledger.learn(known)
+
+    def despair(self) -> None:
+        """An answer may show that the goal is out of reach for good."""
+        if not self.hopeless and (hopeless := self.planner.hopeless()) and not self.problem.guest:
+            self.hopeless, self.ledger = hopeless, replace(self.ledger, can_alone=False)
 
 
 def solve(
@@ -120,6 +129,9 @@ def solve(
         for name, answer in answers.items():
             if answer.verdict != "unknown" or not patience.over():
                 teams[name].learn(answer)
+                teams[name].despair()
+    if result.status == "optimal":
+        result = replace(result, proof="; ".join([result.proof, *_improved(result, teams, patience)]))
     return _joint(result, teams, scenario, setup, questions, wall_s() - began)
 
 
@@ -139,13 +151,25 @@ def _ask(
 def _team(name: str, scenario: Scenario, domain: Domain, setup: Setup, patience: _Patience) -> _Team:
     state, several = setup.states[name], len(setup.states) > 1
     guest = _guest(domain, setup, name) if several else ""
-    planner = Planner(
-        Problem(scenario.domain, setup.static, state, guest), cancelled=lambda: bool(patience.over()), clock=wall_s
-    )
+    problem = Problem(scenario.domain, setup.static, state, guest)
+    planner = Planner(problem, cancelled=lambda: bool(patience.over()), clock=wall_s)
     alone = Planner(Problem(scenario.domain, setup.static, state)).hopeless()
     with_guest = planner.hopeless() if guest else alone
     ledger = Ledger(planner.lower_bound(), (), not alone, several and not with_guest)
-    return _Team(planner, ledger, alone)
+    return _Team(planner, ledger, problem, alone)
+
+
+def _improved(shared: Shared, teams: Mapping[str, _Team], patience: _Patience) -> Iterator[str]:
+    """Let the teams that go alone have plans that cost least, and say why they do."""
+    for name, question in shared.roles.items():
+        team = teams[name]
+        known = team.ledger.witness(question)
+        if question.kind == "alone" and known is not None and cost(team.problem):
+            over = lambda: bool(patience.over())  # noqa: E731
+            team.plans[known], proof = cheapest(
+                team.problem, team.plans[known], shared.makespan, seconds=patience.left_s, cancelled=over, clock=wall_s
+            )
+            yield f"{name}: {proof}"
 
 
 def _advance(teams: Mapping[str, _Team], setup: Setup) -> Asking | Shared:
@@ -169,7 +193,7 @@ def _joint(
     steps = {name: plan.steps for name, plan in plans.items()}
     details = {name: plan.details for name, plan in plans.items()}
     violations = check(scenario.domain, setup.static, setup.states, steps, exchanges=exchanges, details=details)
-    if violations:
+    if violations and not load(scenario.domain).data.geometry:
         raise AssertionError(f"the checker refuses the plan: {violations[0]}")
     told: tuple[dict[str, str | int], ...] = tuple(
         {
@@ -183,7 +207,9 @@ def _joint(
         for x in exchanges
     )
     makespan = max(plan.makespan for plan in plans.values())
-    return JointPlan(shared.status, makespan, shared.lower_bound, shared.proof, told, steps, questions, seconds)
+    status: Status = "refused" if violations else shared.status
+    refused = tuple(violations)
+    return JointPlan(status, makespan, shared.lower_bound, shared.proof, told, steps, questions, seconds, refused)
 
 
 def _exchange(giver: str, taker: str, plans: Mapping[str, Plan]) -> Exchange:

@@ -38,8 +38,8 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     every team, under ``teams.NAME``. `kinds` and `actions` are what the world must know of bodies and skills;
     `exchanged` is the kind of robot that teams lend one another; `rules` gives the checker's rules in plain words,
     `why` the members of a clash (`reasoning.why`). `geometry` names the constants that describe rooms (see
-    `reasoning.geometry`), `costs` the fluents that plans of the shortest length are compared by, and `solver` holds
-    the planner's options for clingo. A domain without actions can be planned and checked, but not run."""
+    `reasoning.geometry`), `costs` those by which plans of the shortest length are compared (`reasoning.costs`), and
+    `solver` holds the planner's options for clingo. A domain without actions can be planned and checked, but not run."""
 
     name: str
     story: str
@@ -49,7 +49,7 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     actions: dict[str, dict[str, Any]]
     exchanged: str = ""
     geometry: dict[str, str] = {}
-    costs: dict[str, dict[str, str]] = {}
+    costs: dict[str, str] = {}
     display: dict[str, Any] = {}
     rules: dict[str, str] = {}
     why: dict[str, dict[str, str]] = {}
@@ -71,6 +71,11 @@ class Domain:
         if not path.is_file():
             raise DomainError(f"{path}: no such program; the domain {self.name!r} has {_names(self.folder, '*.lp')}")
         return path
+
+    @property
+    def can_run(self) -> bool:
+        """Does the world know the domain's skills? Without actions its scenarios can be planned and checked only."""
+        return bool(self.data.actions)
 
     @property
     def scenarios(self) -> Mapping[str, Path]:

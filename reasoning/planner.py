@@ -22,6 +22,7 @@ Kind = Literal["alone", "lend", "borrow"]
 Details = Mapping[tuple[int, str], Mapping[str, Value]]
 LONGEST = 400
 """`Planner.shortest` gives up at this makespan."""
+ENDLESS = 1 << 30
 LATER = 500
 """After a yes to borrowing, so many conflicts at a time are spent on a plan that borrows later."""
 
@@ -44,7 +45,7 @@ class Planner:
         clock: Callable[[], float] = lambda: 0.0,
     ) -> None:
         self._problem, self._beat, self._cancelled, self._clock = problem, beat, cancelled, clock
-        self._hopeless, self._bound, self._bound_text = _prospects(problem)
+        self._hopeless, (self._bound, self._bound_text), (self._longest, self._longest_text) = _prospects(problem)
         self._horizon = -1
         domain = load(problem.domain)
         self._program = Program([domain.program("plan")], _facts(problem), domain.data.solver, seed=seed)
@@ -85,6 +86,8 @@ class Planner:
         verdict: Literal["yes", "no", "unknown"] = "unknown"
         if solved.satisfiable is not None:
             verdict = "yes" if solved.satisfiable else "no"
+        if verdict == "no" and kind == "alone" and not self._problem.guest and within >= self._longest:
+            self._hopeless = f"{self._longest} steps were refuted by the solver; {self._longest_text}"
         return Answer(question, verdict, plan, used, self._clock() - begun)
 
     def _ask(self, question: Question, conflicts: int | None, seconds: float | None) -> Solved:
@@ -133,6 +136,8 @@ class Planner:
                 return found("optimal", answer.plan, proof)
             if answer.verdict == "unknown":
                 break
+            if self._hopeless:
+                return found("infeasible", None, self._hopeless)
             bound = within + 1
             proof = f"{within} steps were refuted by the solver, in {answer.conflicts} conflicts"
         return found("unknown", None, f"{proof}; then the search ended")
@@ -203,18 +208,19 @@ def _is_term(text: str) -> bool:
         return False
 
 
-def _prospects(problem: Problem) -> tuple[str, int, str]:
-    """Why there is no hope, or ""; the best admissible bound, and its reason."""
+def _prospects(problem: Problem) -> tuple[str, tuple[int, str], tuple[int, str]]:
+    """Why there is no hope, or ""; the best admissible bound, and how long a plan is at most, each with its reason."""
     (model,) = models([load(problem.domain).program("prospects")], _facts(problem))
-    reasons, bounds = [], [(0, "no step is needed at least")]
+    reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
     for atom in model.atoms:
         match atom:
             case Atom("hopeless", (text, args)):
                 reasons.append(_worded(str(text), str(args)))
+            case Atom("longest", (int(steps), text, args)):
+                longest.append((steps, _worded(str(text), str(args))))
             case Atom("bound", (int(steps), text, args)):
                 bounds.append((steps, f"{steps} steps are needed at least: {_worded(str(text), str(args))}"))
-    steps, why = max(bounds)
-    return "; ".join(reasons), steps, why
+    return "; ".join(reasons), max(bounds), min(longest)
 
 
 def _worded(text: str, args: str) -> str:

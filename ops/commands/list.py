@@ -6,7 +6,7 @@ import argparse
 
 from ops.cases import shipped_cases
 from ops.commands.common import json_option, print_json
-from ops.places import shipped
+from ops.places import runnable, shipped
 from ops.registry import listing
 from ops.tables import read
 
@@ -17,15 +17,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     scenarios = {name: str(read(path)[0].get("story", "")) for name, path in shipped().items()}
+    runs = runnable()
     cases = {name: str(path) for name, path in shipped_cases().items()}
     running = listing()
     if args.json:
-        print_json({"scenarios": scenarios, "cases": cases, "running": running})
+        print_json({"scenarios": scenarios, "runnable": [*runs], "cases": cases, "running": running})
         return 0
     width = max(map(len, [*scenarios, *cases]), default=0)
     print("scenarios (muster run NAME):")
-    for name, story in scenarios.items():
-        print(f"  {name:<{width}}  {story}")
+    for name in runs:
+        print(f"  {name:<{width}}  {scenarios[name]}")
+    if len(runs) < len(scenarios):
+        print("scenarios that can be planned, but not run yet (muster plan NAME):")
+    for name in scenarios:
+        if name not in runs:
+            print(f"  {name:<{width}}  {scenarios[name]}")
     print("diagnosis cases (muster diagnose NAME):")
     for name in cases:
         print(f"  {name}")

@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 from msgspec import structs
 
@@ -21,7 +21,7 @@ from reasoning.words import count
 EPILOG = """\
 When the budget is spent, or on Ctrl-C, the best plan so far is printed, with the proven bound and the gap between them.
 Another limit is --set limits.conflicts=100000 (for one question; 0: none).
-Exit code 0: a plan was found; 1: there is none, or none was found within the limits.
+Exit code 0: a plan was found; 1: there is none, none was found within the limits, or the checker refuses it.
 """
 
 
@@ -100,6 +100,7 @@ def as_json(plan: JointPlan, scenario: Scenario) -> dict[str, object]:
         "teams": {team: {"steps": steps} for team, steps in plan.teams.items()},
         "questions": plan.questions,
         "seconds": round(plan.seconds, 3),
+        "refused": [asdict(violation) for violation in plan.refused],
         "scenario": {"domain": scenario.domain, "setup": scenario.setup},
     }
 
@@ -113,6 +114,8 @@ def as_text(plan: JointPlan) -> str:
         lines = [f"unknown: no plan yet, no fewer than {count(plan.lower_bound, 'step')}"]
     elif plan.status == "infeasible":
         lines = ["infeasible: no plan"]
+    elif plan.status == "refused":
+        lines = [f"refused: {count(plan.makespan, 'step')}, but the checker finds that it cannot be done"]
     lines.append(f"proof: {plan.proof or 'none'}")
     for x in plan.exchanges:
         given = f"{x['from']} gives {x['worker']} in step {x['give_step']}"
@@ -120,5 +123,6 @@ def as_text(plan: JointPlan) -> str:
     for team, steps in plan.teams.items():
         lines.append(f"{team}:")
         lines += [f"  {step:3}  {', '.join(actions) or '-'}" for step, actions in enumerate(steps)]
+    lines += [f"refused: {v.team} step {v.step}  {v.action}: {v.text} [{v.rule}]" for v in plan.refused]
     lines.append(f"{count(plan.questions, 'question')}, {plan.seconds:.1f} s")
     return "\n".join(lines)

@@ -41,8 +41,10 @@ def test_an_entry_file_is_include_only_and_one_of_its_parts_displays(name: str, 
 
 @pytest.mark.parametrize("name", domains())
 def test_the_checker_shares_no_law_with_the_planner(name: str) -> None:
+    """What they share is facts alone."""
     domain = load(name)
-    assert not set(parts(domain.program("check"))) & set(parts(domain.program("plan")))
+    shared = set(parts(domain.program("check"))) & set(parts(domain.program("plan")))
+    assert not [part for part in shared if ":-" in part.read_text()]
 
 
 @pytest.mark.parametrize("file", files(), ids=lambda file: file.stem)

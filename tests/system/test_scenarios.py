@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ops.children import environment
-from ops.places import shipped
+from ops.places import runnable
 from ops.scenario import load
 
 LIMIT_S = 240.0
@@ -27,7 +27,7 @@ def exists(pid: int) -> bool:
     return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
 
 
-@pytest.mark.parametrize("name", sorted(shipped()))
+@pytest.mark.parametrize("name", sorted(runnable()))
 def test_a_shipped_scenario_ends_with_its_verdict(name: str, tmp_path: Path) -> None:
     scenario = load(name)
     done = subprocess.run(

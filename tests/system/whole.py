@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 from bus.clock import wall_s
 from ops.children import environment
-from ops.places import shipped
+from ops.places import runnable
 from ops.recording import Recording, load
 from ops.scenario import load as load_scenario
 
 MUSTER = [sys.executable, "-m", "ops.cli"]
 LIMIT_S = 120.0
-SMALL = sorted(name for name in shipped() if len(load_scenario(name).teams) <= 2)
+SMALL = sorted(name for name in runnable() if len(load_scenario(name).teams) <= 2)
 """Scenarios that take seconds."""
 
 
