@@ -7,7 +7,7 @@ only where that explains nothing, up to the one before. All sets of the least si
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -27,8 +27,8 @@ class Enumerated:
     finished: bool = True
 
 
-def enumerated(case: Case, calls: int | None = None) -> Enumerated:
-    """Broken robots alone, at most `case.bound`; stopped after so many calls."""
+def enumerated(case: Case, calls: int | None = None, stop: Callable[[], bool] = lambda: False) -> Enumerated:
+    """Broken robots alone, at most `case.bound`; stopped after so many calls, or before the one when `stop` is true."""
     domain, facts, used = load(case.domain), facts_of(case), 0
     files = [domain.program("diagnose"), domain.program("diagnose_given")]
     robots = sorted({robot for step in case.actions for action in step for robot in _robots(case, action)})
@@ -37,7 +37,7 @@ def enumerated(case: Case, calls: int | None = None) -> Enumerated:
         for chosen in combinations(robots, size):
             given = [f"given({robot})." for robot in chosen]
             for upto in reversed(range(len(case.actions) + 1)):
-                if used == calls:
+                if used == calls or stop():
                     return Enumerated(found, used, finished=False)
                 used += 1
                 if models(files, [*facts, *given, f"prefix({upto})."], consts={"bound": size}, limit=1):

@@ -6,12 +6,12 @@ length from 0. Every speed of planning that is told is a ratio to it, and every 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Literal
 
 from reasoning.domain import load
-from reasoning.solver import Atom, Model, Program
+from reasoning.solver import Assumption, Atom, Model, Program, Solved
 from reasoning.values import Answer, Found, Plan, Problem, Question, Value
 
 Kind = Literal["alone", "lend", "borrow"]
@@ -31,21 +31,63 @@ def shortest(
 
     The search gives up after `longest` steps or so many seconds of the clock, with status ``unknown``.
     """
-    begun, used = clock(), 0
     program = _program(problem, kind, step)
+
+    def ask(within: int, left: float | None) -> Answer:
+        return _ask(program, Question(kind, within, step or 0), left)
+
+    return _upwards(program, ask, longest, seconds, on_progress, clock)
+
+
+def joint(
+    problems: Mapping[str, Problem],
+    *,
+    longest: int = 100,
+    seconds: float | None = None,
+    on_progress: Callable[[Answer], None] = lambda _: None,
+    clock: Callable[[], float] = lambda: 0.0,
+) -> Found:
+    """The least makespan of all teams, nobody exchanging more than one robot, by one program that knows all their
+    models (``monolith.lp``): what questions and answers are compared with. Team names are constants of the solver, in
+    lower case; there is at least one. Without the plan itself."""
+    first = next(iter(problems.values()))
+    facts = [f"static({key},{value})." for key, value in first.static.items()]
+    for team, problem in problems.items():
+        facts += [f"init({team},{fluent},{value})." for fluent, value in problem.state.items()]
+        facts += [f"guest({team},{problem.guest})."] if problem.guest else []
+    program = Program([load(first.domain).program("monolith")], facts)
+
+    def ask(within: int, left: float | None) -> Answer:
+        solved = program.solve(_ends(within), seconds=left)
+        return Answer(Question("alone", within), _verdict(solved), None, solved.conflicts)
+
+    return _upwards(program, ask, longest, seconds, on_progress, clock)
+
+
+def _upwards(
+    program: Program,
+    ask: Callable[[int, float | None], Answer],
+    longest: int,
+    seconds: float | None,
+    on_progress: Callable[[Answer], None],
+    clock: Callable[[], float],
+) -> Found:
+    """Length by length from 0; `ask` is given the seconds that are left."""
+    begun, used = clock(), 0
     for within in range(longest + 1):
+        program.ground(_part(within))
         left = None if seconds is None else seconds - (clock() - begun)
         if left is not None and left <= 0:
             return Found("unknown", None, within, "the time was over", clock() - begun, used)
-        program.ground(_part(within))
         asked = clock()
-        answer = _ask(program, Question(kind, within, step or 0), left)
-        answer = replace(answer, seconds=clock() - asked)
+        answer = replace(ask(within, left), seconds=clock() - asked)
         on_progress(answer)
         used += answer.conflicts
         if answer.verdict == "yes":
             proof = f"{within - 1} steps were refuted" if within else "nothing is to be done"
             return Found("optimal", answer.plan, within, proof, clock() - begun, used)
+        if answer.verdict == "unknown":
+            return Found("unknown", None, within, "the time was over", clock() - begun, used)
     return Found("unknown", None, longest + 1, f"{longest} steps were refuted", clock() - begun, used)
 
 
@@ -75,14 +117,19 @@ def _part(within: int) -> tuple[str, tuple[int, ...]]:
 
 
 def _ask(program: Program, question: Question, seconds: float | None) -> Answer:
-    within = question.within
-    ends = [("last", (t,), t == within) for t in range(within + 1)]
-    solved = program.solve(ends, seconds=seconds)
-    verdict: Literal["yes", "no", "unknown"] = "unknown"
-    if solved.satisfiable is not None:
-        verdict = "yes" if solved.satisfiable else "no"
-    plan = _plan(solved.model, within) if solved.model is not None else None
-    return Answer(question, verdict, plan, solved.conflicts)
+    solved = program.solve(_ends(question.within), seconds=seconds)
+    plan = _plan(solved.model, question.within) if solved.model is not None else None
+    return Answer(question, _verdict(solved), plan, solved.conflicts)
+
+
+def _ends(within: int) -> list[Assumption]:
+    return [("last", (t,), t == within) for t in range(within + 1)]
+
+
+def _verdict(solved: Solved) -> Literal["yes", "no", "unknown"]:
+    if solved.satisfiable is None:
+        return "unknown"
+    return "yes" if solved.satisfiable else "no"
 
 
 def _plan(model: Model, makespan: int) -> Plan:

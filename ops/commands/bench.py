@@ -17,6 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     names = ", ".join(_names()) or "none here"
     parser.add_argument("name", metavar="NAME", help=f"which benchmark: {names}")
     json_option(parser)
+    parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the benchmark; NAME --help tells them")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -34,8 +35,9 @@ def execute(args: argparse.Namespace) -> int:
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    sys.argv = [str(FOLDER / f"{args.name}.py")]  # it may look for options of its own
-    if args.json:
+    own = [word for word in args.options if word != "--json"]
+    sys.argv = [str(FOLDER / f"{args.name}.py"), *own]
+    if args.json or own != args.options:
         print_json(module.run())
     else:
         module.main()
