@@ -15,7 +15,7 @@ from typing import Any
 
 import msgspec
 
-from bus.scene import Action, Entity, Kind, Scene, Workspace
+from bus.scene import Action, Entity, Fault, Kind, Scene, Workspace
 from ops.faultwords import Names, problem
 from ops.plans import GivenPlan
 from ops.scenario import Scenario
@@ -143,8 +143,23 @@ def _check_faults(scenario: Scenario, scene: Scene) -> None:
             raise scenario.complaint(
                 [*at, "target"], "a robot is moved to a cell x, y; an object to a line position to"
             )
+        if fault.kind == "move" and (wrong := _off_floor(fault, scene)):
+            raise scenario.complaint([*at, wrong[0]], wrong[1])
         if fault.kind == "set":
             kind = next(entity.kind for entity in scene.entities if entity.id == fault.target)
             if fault.args["attribute"] not in scene.kinds[kind].attributes:
                 listed = ", ".join(scene.kinds[kind].attributes)
                 raise scenario.complaint([*at, "attribute"], f"expected a sensed attribute of a {kind}: {listed}")
+
+
+def _off_floor(fault: Fault, scene: Scene) -> tuple[str, str] | None:
+    """Which argument of a move leads out of the team's workspace, and what was expected."""
+    team = fault.target.partition(".")[0]
+    space = next(workspace for workspace in scene.workspaces if workspace.team == team)
+    lowest_and_highest = {"x": (1, space.width), "y": (1, space.height), "to": (0, None)}
+    for key, (lowest, highest) in lowest_and_highest.items():
+        number = fault.args.get(key, lowest)
+        if isinstance(number, int) and (number < lowest or (highest is not None and number > highest)):
+            limit = f"{lowest} to {highest}" if highest is not None else f"{lowest} or more"
+            return key, f"expected a place in the workspace of {team}, {limit}; found {number}"
+    return None

@@ -159,6 +159,23 @@ def test_the_domain_refuses_with_the_same_places(tmp_path: Path, old: str, new: 
     assert expected in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("target", "where", "place", "expected"),
+    [
+        ("T1.w1", "x = 6\ny = 1", "line 17: fault[0].x: ", "in the workspace of T1, 1 to 5; found 6"),
+        ("T1.w1", "x = 1\ny = 0", "line 18: fault[0].y: ", "in the workspace of T1, 1 to 3; found 0"),
+        ("T1.c1", "x = -1\ny = 1", "line 17: fault[0].x: ", "found -1"),
+        ("T1.1", "to = -2", "line 17: fault[0].to: ", "0 or more; found -2"),
+    ],
+)
+def test_nobody_is_moved_off_the_floor(tmp_path: Path, target: str, where: str, place: str, expected: str) -> None:
+    text = GOOD.replace('kind = "break"\ntarget = "T1.c1"', f'kind = "move"\ntarget = "{target}"\n{where}')
+    with pytest.raises(InputError) as caught:
+        compile_everything(scenario(tmp_path, text))
+    assert place in str(caught.value)
+    assert expected in str(caught.value)
+
+
 def test_overrides_reach_every_key(tmp_path: Path) -> None:
     read = scenario(
         tmp_path,
