@@ -5,7 +5,7 @@ A question may have several parts: each is a claim with the clash that refutes t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ops.compile import DELAY
 from ops.tables import InputError
@@ -16,7 +16,7 @@ from reasoning.domain import Domain
 from reasoning.planner import Planner
 from reasoning.reasons import Role, contradicts, never, no_plan, no_sharing, not_possible
 from reasoning.solver import parse
-from reasoning.values import Case, Problem
+from reasoning.values import Case, Diagnosis, Problem
 from reasoning.why import Clash, Possible, Unknown
 
 BEYOND = 12
@@ -187,22 +187,31 @@ def suspicion(asker: Asker, team: str, suspected: str, other: str, step: int | N
     """Why is one robot suspected, and another not? Of a case, or of the team's discrepancy in that step. Inspections
     are looked at where the question cannot be answered without."""
     case, findings, at = _case(asker.subject, team, step)
-    least = diagnose(case).least
-    most = len(broken_in(least[0])) if least else case.bound
-    told = " or ".join("{" + ", ".join(d.causes) + "}" for d in least) or "nothing that the team knows of"
+    result = diagnose(case)
+    most = len(broken_in(result.least[0])) if result.least else case.bound
+    told = _listed(result.diagnoses) or "nothing that the team knows of"
+    told += (
+        f"; set aside, since more would have happened otherwise: {_listed(result.set_aside)}"
+        if result.set_aside
+        else ""
+    )
     when = f" after step {at}" if asker.subject.case is None else ""
     note = f"explanations with fewest causes{', before any inspection' if findings else ''}: {told}"
 
-    def asked(claim: str, possible: str, broken: str = "", whole: str = "") -> Part:
+    def asked(claim: str, opposite: str, broken: str = "", whole: str = "") -> Part:
         for known in [{}, findings] if findings else [{}]:
             make = contradicts(case, broken=broken, whole=whole, most=most, findings=known)
-            part = asker.part(f"{claim}{when}", make, f"{possible}{when}: {told}", note, first=at)
+            part = asker.part(f"{claim}{when}", make, f"nothing contradicts that {opposite}{when}: {told}", note, first=at)
             if not isinstance(part.result, Possible):
                 break
         return part
 
-    parts = [asked(f"{suspected} is broken", f"{suspected} may be whole", whole=suspected)] if suspected else []
-    return parts + ([asked(f"{other} is not suspected", f"{other} is suspected too", broken=other)] if other else [])
+    parts = [asked(f"{suspected} is broken", f"{suspected} is whole", whole=suspected)] if suspected else []
+    return parts + ([asked(f"{other} is not suspected", f"{other} is broken", broken=other)] if other else [])
+
+
+def _listed(diagnoses: Sequence[Diagnosis]) -> str:
+    return " or ".join("{" + ", ".join(d.causes) + "}" for d in diagnoses)
 
 
 def _case(subject: Subject, team: str, step: int | None) -> tuple[Case, Mapping[str, str], int]:

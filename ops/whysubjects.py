@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -33,8 +33,8 @@ from reasoning.values import Case, Problem, State, Step, Value
 class Subject:
     """`states` are the teams' at the start, `guests` the names that borrowed robots would get, `teams` the steps of the
     plan or the run, empty if there is none, `exchanges` who lent to whom. `seen[step][team]` is what a recorded run
-    sensed after a step; `odd` are the teams and steps of its discrepancies, `findings` what inspections said after each,
-    `broken` teams, robots and the steps after which these were known to be broken."""
+    sensed after a step; `odd` are the teams and steps of its discrepancies, `findings` what inspections said after
+    each, `broken` teams, robots and the steps after which these were known to be broken."""
 
     name: str
     domain: Domain
@@ -84,8 +84,9 @@ class Subject:
                 yield robot
 
 
-def subject_of(what: str) -> Subject:
-    """What a user means by a path or ``domain/name``; of several with that name, the scenario. Raises `InputError`."""
+def subject_of(what: str, overrides: Sequence[str] = ()) -> Subject:
+    """What a user means by a path or ``domain/name``; of several with that name, the scenario, with ``--set`` applied.
+    Raises `InputError`."""
     path = Path(what)
     if path.is_dir() or path.suffix == ".mcap":
         return _recorded(path)
@@ -96,7 +97,7 @@ def subject_of(what: str) -> Subject:
         case = read_case(what).case
         states = {"the team": case.before}
         return Subject(what, load_domain(case.domain), case.static, states, {"the team": case.actions}, case=case)
-    scenario = load_scenario(what)
+    scenario = load_scenario(what, overrides)
     setup = start(scenario)
     return Subject(scenario.name, load_domain(scenario.domain), setup.static, setup.states, scenario=scenario)
 

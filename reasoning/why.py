@@ -10,7 +10,7 @@ knows nothing of this search: all members clash, and without any one of them the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from reasoning.solver import Assumption, Model, Program, Solved
@@ -73,16 +73,6 @@ def explain(
     return _Search(make, seconds, clock, on_progress).run()
 
 
-def clashes(program: Program, members: Sequence[str], *, seconds: float | None = None) -> bool | None:
-    """Do these members clash? None: not known after so many seconds."""
-    solved = program.solve([_use(member) for member in members], seconds=seconds)
-    return None if solved.satisfiable is None else not solved.satisfiable
-
-
-def _use(member: str) -> Assumption:
-    return "use", (member,), True
-
-
 class _Search:
     """One question: its budgets, and what was counted."""
 
@@ -113,7 +103,7 @@ class _Search:
             return Unknown(self._conflicts, self._clock() - self._began)
         self._each = max(LEAST, EFFORT * first.conflicts)
         members, ways = self._shrink(program, _core(self._groups, first))
-        members, without, checked = self._check(members, ways)
+        members, without, checked = (members, ways, False) if self._over() else self._check(members, ways)
         return Clash(members, without, checked, self._searches, self._conflicts, self._clock() - self._began)
 
     def _shrink(self, program: Program, members: tuple[str, ...]) -> tuple[tuple[str, ...], dict[str, Model]]:
@@ -148,6 +138,8 @@ class _Search:
             raise AssertionError(f"these members do not clash: {', '.join(members)}")
         without: dict[str, Model] = {}
         for number, member in enumerate(members):
+            if self._over():
+                break
             self._tell(f"{len(members)} members clash, {number} of them were checked")
             rest = tuple(m for m in members if m != member)
             solved = self._try(program, rest, self._each)

@@ -13,6 +13,11 @@ from ops.scenario import Scenario, load
 def scenario_options(parser: argparse.ArgumentParser) -> None:
     """SCENARIO and --set."""
     parser.add_argument("scenario", metavar="SCENARIO", help="a path, or domain/name of a shipped scenario")
+    overrides_option(parser)
+
+
+def overrides_option(parser: argparse.ArgumentParser) -> None:
+    """--set."""
     parser.add_argument(
         "--set",
         dest="overrides",

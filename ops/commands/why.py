@@ -11,7 +11,7 @@ from typing import Any
 from msgspec import structs
 
 from bus.clock import wall_s
-from ops.commands.common import json_option, print_json
+from ops.commands.common import json_option, overrides_option, print_json
 from ops.planning import JointPlan, solve
 from ops.tables import InputError
 from ops.whyasker import Asker, EndedError, Part
@@ -49,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--budget", type=float, default=60.0, metavar="SECONDS", help="end after so many seconds (default: 60)"
     )
+    overrides_option(parser)
     json_option(parser)
 
 
@@ -63,7 +64,7 @@ def execute(args: argparse.Namespace) -> int:
     parts: list[Part] = []
     late = ""
     try:
-        parts = _parts(args, Asker(subject_of(args.what), args.budget, progress, began))
+        parts = _parts(args, Asker(subject_of(args.what, args.overrides), args.budget, progress, began))
     except EndedError as error:
         late = f"the time was over: {error}"
     finally:
