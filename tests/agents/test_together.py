@@ -67,6 +67,7 @@ def test_an_unreachable_goal_ends_the_run_with_the_reason(make_system: MakeSyste
     assert "T2: box 1 is at line position 1" in over.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setting", SETTINGS)
 @pytest.mark.parametrize("victim", ["coordinator", "T1", "T2"])
 def test_killed_before_any_write_or_send(make_system: MakeSystem, setting: Prepare, victim: str) -> None:
@@ -82,6 +83,7 @@ def test_killed_before_any_write_or_send(make_system: MakeSystem, setting: Prepa
         system.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [4, 40])
 @pytest.mark.parametrize("setting", SETTINGS)
 @pytest.mark.parametrize("victim", ["T1", "T2"])
@@ -102,6 +104,7 @@ def test_lost_for_a_while(make_system: MakeSystem, setting: Prepare, victim: str
         system.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setting", SETTINGS)
 def test_the_team_and_then_the_coordinator(make_system: MakeSystem, setting: Prepare) -> None:
     """The coordinator is killed while a team is out of contact, of which the world tells once."""

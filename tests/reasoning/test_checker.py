@@ -231,6 +231,7 @@ def mutants(draw: st.DrawFn) -> dict[str, list[Step]]:
     return plan
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @example(STEPS)
 @given(mutants())
@@ -249,7 +250,7 @@ def test_random_mutants_are_judged_as_a_second_judge_judges_them(plan: dict[str,
     assert {(v.team, v.step, v.action, v.rule) for v in found if not v.rule.startswith("exchange_")} == expected
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(mutants(), st.sampled_from(["T2", "T3"]), st.integers(1, 20))
 def test_checker_and_planner_agree_on_the_first_step_that_is_wrong(
     plan: dict[str, list[Step]], team: str, length: int

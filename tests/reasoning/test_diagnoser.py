@@ -219,7 +219,7 @@ def odds_by_force(
     return {}
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.data())
 def test_probabilities_are_those_of_brute_force(data: st.DataObject) -> None:
     team = data.draw(st.sampled_from(sorted(STEPS)))
