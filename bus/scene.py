@@ -38,11 +38,15 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How an action of the domain is carried out: a generic skill, the role of each argument in order,
-    and the skill's parameters."""
+    and the skill's parameters.
+
+    `drains`: an attribute of the robot that the action takes a unit of, if the robot has it; with none left nothing
+    comes of it. `gain` and `most` are of the skill ``charge``, which fills `attribute` of the coupled robot.
+    """
 
     skill: Literal[
         "drive", "couple", "uncouple", "drive_coupled", "set", "operate",
-        "convey", "depart", "arrive", "repair", "inspect",
+        "convey", "depart", "arrive", "charge", "repair", "inspect",
     ]  # fmt: skip
     args: tuple[Literal["robot", "partner", "object", "direction", "value", "x", "y"], ...] = ()
     direction: Literal["", "up", "down", "left", "right"] = ""
@@ -51,6 +55,9 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     marks: str = ""
     marks_on: int = -1
     marks_periods: float = 1.0
+    drains: str = ""
+    gain: Count = 0
+    most: Count = 0
 
 
 class Workspace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

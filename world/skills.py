@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from world import handling, moving
+from world import handling, moving, stores
 from world.tasks import Task
 from world.truth import Truth
 
@@ -31,6 +31,7 @@ SKILLS: dict[str, Skill] = {
     "operate": Skill(handling.begin_operate, handling.end_operate, 1),
     "couple": Skill(handling.begin_couple, handling.end_couple),
     "uncouple": Skill(handling.begin_uncouple, handling.end_uncouple),
+    "charge": Skill(stores.begin_charge, stores.end_charge),
     "set": Skill(handling.begin_set, handling.end_set),
     "drive": Skill(moving.begin_drive, moving.end_drive),
     "drive_coupled": Skill(moving.begin_drive_coupled, moving.end_drive),

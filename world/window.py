@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bus.messages import Envelope, Execute, SkillCall
 from bus.scene import Action
-from world import moving
+from world import moving, stores
 from world.motion import Motion
 from world.skills import SKILLS
 from world.tasks import Board, Task, written
@@ -42,7 +42,7 @@ class Window:
         self.begun = True
         truth.fade()
         for task in sorted(self.tasks, key=lambda task: SKILLS[task.action.skill].rank):
-            task.failed = task.failed or SKILLS[task.action.skill].begin(truth, task)
+            task.failed = task.failed or SKILLS[task.action.skill].begin(truth, task) or stores.lacks(task)
             if not task.failed:
                 task.board.enter(task)
         moving.look(truth, self.tasks)
@@ -56,6 +56,8 @@ class Window:
             for task in self.tasks:
                 if not task.failed and (task.action.skill in moving.SKILLS) is moved:
                     task.failed = SKILLS[task.action.skill].end(truth, task)
+                    if not task.failed:
+                        stores.drain(task)
 
     def doing(self) -> dict[str, str]:
         """What each robot is at, by its id."""
