@@ -6,6 +6,7 @@ A question may have several parts: each is a claim with the clash that refutes t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ops.compile import DELAY
 from ops.tables import InputError
@@ -21,23 +22,37 @@ from reasoning.why import Clash, Possible, Unknown
 
 BEYOND = 12
 """A length that suffices is looked for up to so many steps beyond the one that is asked about."""
+PUBLISHED = "nobody lends or borrows more than one robot, and nobody does both"
 BOUND = 3
 """At most so many robots are suspected at once."""
 
 
 # ---------------------------------------------------------------- no plan, or none that is shorter
 def no_plan_at_all(asker: Asker) -> list[Part]:
-    """Why is there no plan, however long? Of those teams that are to blame, if any can be told before a search."""
+    """Why is there no plan, however long? For several teams, which of them stand in the way, then why they do."""
     subject = asker.subject
-    hopeless = [team for team in subject.states if Planner(subject.problem(team)).hopeless()]
-    return [
-        asker.part(
-            f"{team} has no plan, however long",
-            never(subject.problem(team)),
-            f"{team}: nothing speaks against a plan as long as time and crowding are left out; ask --within STEPS",
-        )
-        for team in hopeless or subject.states
-    ]
+    own = {team: replace(subject.problem(team), guest="") for team in subject.states}
+    alone = [team for team, problem in own.items() if Planner(problem).hopeless()]
+    if len(own) == 1:
+        return [_never(asker, team, problem, "") for team, problem in own.items()]
+    helpless = {team: -1 for team in alone if Planner(subject.problem(team)).hopeless()}
+    make = no_sharing(1, 0, own, alone=alone, late=helpless)
+    possible = "nothing speaks against a shared plan as long as time is left out; ask --within STEPS"
+    shared = asker.part("there is no shared plan, however long", make, possible, PUBLISHED, shared=True)
+    parts = [shared]
+    for member in shared.result.members if isinstance(shared.result, Clash) else ():
+        name, (team, *_) = parse(member)
+        helped = name == "late"
+        problem = subject.problem(str(team)) if helped else own[str(team)]
+        parts.append(_never(asker, str(team), problem, " even with a borrowed robot" if helped else " alone"))
+    return parts
+
+
+def _never(asker: Asker, team: str, problem: Problem, how: str) -> Part:
+    possible = (
+        f"{team}: nothing speaks against a plan{how} as long as time and crowding are left out; ask --within STEPS"
+    )
+    return asker.part(f"{team} has no plan{how}, however long", never(problem), possible)
 
 
 def not_within(asker: Asker, within: int, team: str = "") -> list[Part]:
@@ -59,10 +74,11 @@ def _members(asker: Asker, result: Clash | Possible | Unknown, within: int, team
             case "early", (who, int(step)) if who == team:
                 wanted.append((("lend", step - 1), f"if it lends before step {step}"))
             case "late", (who, int(step)) if who == team:
-                wanted.append((("borrow", step + 1), f"if it borrows after step {step}"))
+                words = f"if it borrows after step {step}" if step >= 0 else "even with a borrowed robot"
+                wanted.append((("borrow", step + 1), words))
     return [
-        _refused(asker, team, within, exchange, f" {words}", asker.left_s() / (len(wanted) - number))
-        for number, (exchange, words) in enumerate(wanted)
+        _refused(asker, team, within, exchange, f" {how}", asker.left_s() / (len(wanted) - number))
+        for number, (exchange, how) in enumerate(wanted)
     ]
 
 
@@ -109,11 +125,8 @@ def sharing(
         must=must,
         may_not=may_not,
     )
-    notes = (
-        "nobody lends or borrows more than one robot, and nobody does both",
-        "what a team cannot do was refuted by its own planner",
-    )
-    return asker.part(claim, make, f"{within} steps are possible so", *notes, shared=True)
+    refuted = "what a team cannot do was refuted by its own planner"
+    return asker.part(claim, make, f"{within} steps are possible so", PUBLISHED, refuted, shared=True)
 
 
 def _earliest(asker: Asker, team: str, within: int) -> int:
@@ -157,7 +170,7 @@ def other_role(asker: Asker, role: Role, team: str, other: str, deep: str = "") 
         must = {other: role}
         claim = f"{subject.makespan} steps are not possible if {other} {role}s and {team} does not"
     part = sharing(asker, claim, subject.makespan, must, {team: role})
-    shared = Part(part.claim, part.result, part.possible, None, (*notes, *part.notes))
+    shared = replace(part, notes=(*notes, *part.notes))
     return [shared, *(_members(asker, shared.result, subject.makespan, deep) if deep else ())]
 
 
@@ -201,7 +214,9 @@ def suspicion(asker: Asker, team: str, suspected: str, other: str, step: int | N
     def asked(claim: str, opposite: str, broken: str = "", whole: str = "") -> Part:
         for known in [{}, findings] if findings else [{}]:
             make = contradicts(case, broken=broken, whole=whole, most=most, findings=known)
-            part = asker.part(f"{claim}{when}", make, f"nothing contradicts that {opposite}{when}: {told}", note, first=at)
+            part = asker.part(
+                f"{claim}{when}", make, f"nothing contradicts that {opposite}{when}: {told}", note, first=at
+            )
             if not isinstance(part.result, Possible):
                 break
         return part
