@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -17,7 +17,7 @@ from bus.clock import wall_s
 from ops.compile import DELAY, start
 from ops.scenario import Scenario
 from reasoning.checker import Exchange, check
-from reasoning.costs import cheapest, cost
+from reasoning.costs import cheapest
 from reasoning.domain import Domain, load
 from reasoning.planner import Planner
 from reasoning.setup import Setup
@@ -88,11 +88,6 @@ class _Team:
             self.plans[known] = plan
         self.ledger = self.ledger.learn(known)
 
-    def despair(self) -> None:
-        """An answer may show that the goal is out of reach for good."""
-        if not self.hopeless and (hopeless := self.planner.hopeless()) and not self.problem.guest:
-            self.hopeless, self.ledger = hopeless, replace(self.ledger, can_alone=False)
-
 
 def solve(
     scenario: Scenario, progress: Progress, *, began: float | None = None, stop: Callable[[], bool] = lambda: False
@@ -107,6 +102,9 @@ def solve(
     domain = load(scenario.domain)
     patience = _Patience(began, scenario.limits.search_s, stop)
     teams = {team: _team(team, scenario, domain, setup, patience) for team in scenario.teams}
+    if not domain.data.exchanged:
+        alone, questions = _each_alone(teams, scenario, patience, progress)
+        return _joint(alone, teams, scenario, setup, questions, wall_s() - began)
     questions = 0
     best: tuple[Shared, JointPlan] | None = None
     while isinstance(result := _advance(teams, setup), Asking):
@@ -129,9 +127,6 @@ def solve(
         for name, answer in answers.items():
             if answer.verdict != "unknown" or not patience.over():
                 teams[name].learn(answer)
-                teams[name].despair()
-    if result.status == "optimal":
-        result = replace(result, proof="; ".join([result.proof, *_improved(result, teams, patience)]))
     return _joint(result, teams, scenario, setup, questions, wall_s() - began)
 
 
@@ -159,17 +154,40 @@ def _team(name: str, scenario: Scenario, domain: Domain, setup: Setup, patience:
     return _Team(planner, ledger, problem, alone)
 
 
-def _improved(shared: Shared, teams: Mapping[str, _Team], patience: _Patience) -> Iterator[str]:
-    """Let the teams that go alone have plans that cost least, and say why they do."""
-    for name, question in shared.roles.items():
-        team = teams[name]
-        known = team.ledger.witness(question)
-        if question.kind == "alone" and known is not None and cost(team.problem):
-            over = lambda: bool(patience.over())  # noqa: E731
-            team.plans[known], proof = cheapest(
-                team.problem, team.plans[known], shared.makespan, seconds=patience.left_s, cancelled=over, clock=wall_s
-            )
-            yield f"{name}: {proof}"
+def _each_alone(
+    teams: Mapping[str, _Team], scenario: Scenario, patience: _Patience, progress: Progress
+) -> tuple[Shared, int]:
+    """Where nobody is lent: every team's own shortest plan, of these one that costs least; and how many questions that
+    took."""
+    asked: list[Answer] = []
+    roles: dict[str, Question] = {}
+    bounds: list[int] = [0]
+    proofs: list[str] = []
+    statuses: set[Status] = set()
+    over = lambda: bool(patience.over())  # noqa: E731
+    for name, team in teams.items():
+
+        def told(answer: Answer, name: str = name) -> None:
+            progress(f"{name}: {answer.question.within} steps: {answer.verdict}")
+            asked.append(answer)
+
+        limit = scenario.limits.conflicts or None
+        found = team.planner.shortest(conflicts=limit, seconds=patience.left_s(), on_progress=told)
+        statuses.add(found.status)
+        bounds.append(found.lower_bound)
+        team.hopeless = team.planner.hopeless()  # an answer may have shown that the goal is out of reach for good
+        proofs += [] if team.hopeless else [f"{name}: {found.proof}"]
+        if found.plan is None:
+            continue
+        within = found.plan.makespan
+        plan, why = cheapest(team.problem, found.plan, within, seconds=patience.left_s, cancelled=over, clock=wall_s)
+        proofs += [f"{name}: {why}"] if why else []
+        roles[name] = Question("alone", within)
+        team.learn(Answer(roles[name], "yes", plan))
+    worst: Literal["optimal", "infeasible", "unknown"] = "optimal"
+    worst = "infeasible" if "infeasible" in statuses else "unknown" if "unknown" in statuses else worst
+    makespan = max((question.within for question in roles.values()), default=0)
+    return Shared(worst, makespan, max(bounds), roles, (), "; ".join(proofs)), len(asked)
 
 
 def _advance(teams: Mapping[str, _Team], setup: Setup) -> Asking | Shared:
