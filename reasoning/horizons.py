@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 from reasoning.ledger import Ledger
 from reasoning.values import Question
+from reasoning.words import count
 
 STRIDE = 4
 """The search leaps ahead from the bound in strides that double, until a shared plan is found, and then halves the gap:
@@ -100,7 +101,7 @@ def search(
             continue
         low, stride = k + 1, 2 * stride
         if horizon.sure:
-            proven, reason = low, f"{k} steps refuted: {horizon.reason}"
+            proven, reason = low, f"{count(k, 'step')} refuted: {horizon.reason}"
         k += stride
     status: Literal["optimal", "feasible"] = "optimal" if proven == best.makespan else "feasible"
     return replace(best, status=status, lower_bound=proven, proof=reason)
@@ -116,4 +117,4 @@ def _bound_reason(teams: Mapping[str, Ledger], k: int) -> str:
     if k == 0:
         return "nothing is left to do"
     tight = sorted(name for name, ledger in teams.items() if ledger.lower_bound == k)
-    return f"{k - 1} steps refuted: {', '.join(tight)} needs at least {k} steps by counting"
+    return f"{count(k - 1, 'step')} refuted: {', '.join(tight)} needs at least {count(k, 'step')} by counting"
