@@ -23,10 +23,10 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from reasoning.horizons import Asking, Horizon, Loan, Shared, Trail, begin, search
-from reasoning.ledger import Known, Ledger, steps
+from reasoning.ledger import Known, Ledger
 from reasoning.loans import Market, Take, choose
 from reasoning.probes import probe, put_off
-from reasoning.values import Question
+from reasoning.values import Question, steps
 
 
 def advance(

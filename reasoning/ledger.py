@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Literal, NamedTuple
 
-from reasoning.values import Promises, Question
+from reasoning.values import Promises, Question, steps
 
 Verdict = Literal["yes", "no", "unknown"]
 
@@ -93,11 +93,6 @@ def harder(one: Question, other: Question) -> bool:
     if one.kind == "share":
         return _no_later(one.gives, other.gives) and _no_later(other.takes, one.takes)
     return one.step <= other.step if one.kind == "lend" else one.step >= other.step
-
-
-def steps(promises: Promises, kind: str) -> list[int]:
-    """The steps of the robots of one kind, in order."""
-    return sorted(step for other, step in promises if other == kind)
 
 
 def _serves(known: Known, question: Question) -> bool:

@@ -9,9 +9,9 @@ from itertools import chain
 from typing import NamedTuple
 
 from reasoning.domain import core_program
-from reasoning.ledger import Ledger, Verdict, harder, steps
+from reasoning.ledger import Ledger, Verdict, harder
 from reasoning.solver import models
-from reasoning.values import Question
+from reasoning.values import Question, steps
 
 
 class Waiting(NamedTuple):

@@ -2,21 +2,23 @@
 
 Everything it knows of a domain is in three programs. ``plan.lp`` has the parts ``base`` and ``step(t)``, which leads
 from state t - 1 to state t, and the atoms ``done(K)``: nothing is done from state K on; ``lent(T)``, ``borrowed(T)``: a
-robot was given or taken before state T. A question is a set of assumptions about these, so all questions to one team
-share one growing program, and what was learned while one was answered serves the next. ``predict.lp`` is the same
-without the search, ``prospects.lp`` says what is certain before any search.
+robot was given or taken before state T; and, of a problem with guests, ``gave(Kind,N,T)``, ``took(Kind,N,T)``: N robots
+of a kind were. A question is a set of assumptions about these, so all questions to one team share one growing program,
+and what was learned while one was answered serves the next. ``predict.lp`` is the same without the search,
+``prospects.lp`` says what is certain before any search.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Literal
 
 from reasoning import geometry
 from reasoning.domain import load
-from reasoning.solver import Assumption, Atom, Model, Program, Solved, models, parse
-from reasoning.values import Answer, Found, Plan, Problem, Question, State, Step, Value
+from reasoning.reading import facts, plan_in, read
+from reasoning.solver import Assumption, Atom, Program, Solved, models, parse
+from reasoning.values import Answer, Found, Plan, Problem, Question, Step, Value, promised, steps
 
 Kind = Literal["alone", "lend", "borrow"]
 Details = Mapping[tuple[int, str], Mapping[str, Value]]
@@ -48,7 +50,8 @@ class Planner:
         self._hopeless, (self._bound, self._bound_text), (self._longest, self._longest_text) = _prospects(problem)
         self._horizon = -1
         domain = load(problem.domain)
-        self._program = Program([domain.program("plan")], _facts(problem), domain.data.solver, seed=seed)
+        self._program = Program([domain.program("plan")], facts(problem), domain.data.solver, seed=seed)
+        geometry.interleave(problem, self._program)
 
     def hopeless(self) -> str:
         """Why the goal can never be reached, even with a guest if there may be one; "" if nothing speaks against it."""
@@ -59,30 +62,28 @@ class Planner:
         return self._bound
 
     def answer(self, question: Question, *, conflicts: int | None = None, seconds: float | None = None) -> Answer:
-        """Answer within a budget of solver conflicts (deterministic) or wall seconds; None: however long it takes.
-
-        Raises ValueError for a question about several robots: it plans for one exchange at most.
-        """
-        if question.kind == "share":
-            raise ValueError("the planner answers questions about one exchange at most")
+        """Answer within a budget of solver conflicts (deterministic) or wall seconds; None: however long it takes."""
         begun = self._clock()
         kind, within, step, *_ = question
         no = self._hopeless or within < self._bound or (kind != "alone" and step < 0)
+        no = no or any(by < 0 for _, by in question.gives)
         if no or (kind == "borrow" and (step >= within or not self._problem.guest)):
             return Answer(question, "no")
         solved = self._ask(question, conflicts, seconds)
-        used, plan = solved.conflicts, _plan(solved.model, within) if solved.model is not None else None
-        while kind == "borrow" and plan is not None and plan.exchange is not None:
-            # The later it borrows, the more questions the plan answers, and the solver is on the spot.
+        used, plan = solved.conflicts, plan_in(solved.model, within) if solved.model is not None else None
+        # The later it borrows, the more questions the plan answers, and the solver is on the spot. Robots that nobody
+        # asked for stay.
+        tried = _later(question, plan) if plan is not None else []
+        while tried:
             left = LATER if conflicts is None else min(LATER, conflicts - used)
             left_s = None if seconds is None else seconds - (self._clock() - begun)
             if left <= 0 or (left_s is not None and left_s <= 0):
                 break
-            later = self._ask(question._replace(step=plan.exchange[1] + 1), left, left_s)
+            later = self._ask(tried.pop(0), left, left_s, exactly=True)
             used += later.conflicts
-            if later.model is None:
-                break
-            plan = _plan(later.model, within)
+            if later.model is not None:
+                plan = plan_in(later.model, within)
+                tried = _later(question, plan)
         verdict: Literal["yes", "no", "unknown"] = "unknown"
         if solved.satisfiable is not None:
             verdict = "yes" if solved.satisfiable else "no"
@@ -90,18 +91,30 @@ class Planner:
             self._hopeless = f"{self._longest} steps were refuted by the solver; {self._longest_text}"
         return Answer(question, verdict, plan, used, self._clock() - begun)
 
-    def _ask(self, question: Question, conflicts: int | None, seconds: float | None) -> Solved:
-        kind, within, step, *_ = question
-        self._reach(within)
-        assumptions: list[Assumption] = [("done", (within,), True)]
-        assumptions += [("lent", (within,), kind == "lend"), ("borrowed", (within,), kind == "borrow")]
-        if kind == "lend":
-            assumptions.append(("lent", (min(step + 1, within),), True))
-        if kind == "borrow":
-            assumptions.append(("borrowed", (step,), False))
+    def _ask(
+        self, question: Question, conflicts: int | None, seconds: float | None, *, exactly: bool = False
+    ) -> Solved:
+        self._reach(question.within)
+        assumptions = self._shared(question) if question.kind == "share" else _exchanging_one(question)
+        if exactly:
+            numbers = {kind: len(steps(question.gives, kind)) for _, kind in self._problem.guests}
+            assumptions += [("gave", (kind, n + 1, question.within), False) for kind, n in numbers.items()]
+        assumptions.append(("done", (question.within,), True))
         return self._program.solve(
             assumptions, conflicts=conflicts, seconds=seconds, beat=self._beat, cancelled=self._cancelled
         )
+
+    def _shared(self, question: Question) -> list[Assumption]:
+        within = question.within
+        assumptions: list[Assumption] = [
+            ("gave", (kind, number, min(step + 1, within)), True)
+            for kind in sorted({kind for kind, _ in question.gives})
+            for number, step in enumerate(steps(question.gives, kind), 1)
+        ]
+        for kind, guests in Counter(kind for _, kind in self._problem.guests).items():
+            until = [*steps(question.takes, kind), within]
+            assumptions += [("took", (kind, n, min(t, within)), False) for n, t in enumerate(until[:guests], 1)]
+        return assumptions
 
     def shortest(
         self,
@@ -150,6 +163,28 @@ class Planner:
             self._horizon = max(self._horizon, horizon)
 
 
+def _exchanging_one(question: Question) -> list[Assumption]:
+    kind, within, step, *_ = question
+    assumptions: list[Assumption] = [("lent", (within,), kind == "lend"), ("borrowed", (within,), kind == "borrow")]
+    if kind == "lend":
+        assumptions.append(("lent", (min(step + 1, within),), True))
+    if kind == "borrow":
+        assumptions.append(("borrowed", (step,), False))
+    return assumptions
+
+
+def _later(question: Question, plan: Plan) -> list[Question]:
+    """Questions that this answer to `question` does not answer, since they take a robot later."""
+    if question.kind == "borrow" and plan.exchange is not None:
+        return [question._replace(step=plan.exchange[1] + 1)]
+    if question.kind != "share":
+        return []
+    takes = promised(plan.took)
+    changed = [(n, (kind, step + 1)) for n, (kind, step) in enumerate(takes) if step + 1 < plan.makespan]
+    later = [question._replace(takes=tuple(sorted((*takes[:n], one, *takes[n + 1 :])))) for n, one in changed]
+    return [question._replace(takes=takes), *later] if len(plan.gave) > len(question.gives) else later
+
+
 def predict(problem: Problem, steps: Sequence[Step], details: Details | None = None) -> tuple[Plan, int]:
     """What `steps` lead to, and how many of them are possible: the plan is cut before the first that is not.
 
@@ -157,14 +192,14 @@ def predict(problem: Problem, steps: Sequence[Step], details: Details | None = N
     """
     steps = tuple(steps)
     sound = next((t for t, step in enumerate(steps) if not all(map(_is_term, step))), len(steps))
-    facts = [f"told({action},{t})." for t, step in enumerate(steps[:sound]) for action in step]
-    facts += [
+    given = [f"told({action},{t})." for t, step in enumerate(steps[:sound]) for action in step]
+    given += [
         f"told({action},{key},{value},{t})."
         for (t, action), detail in (details or {}).items()
         if t < sound and action in steps[t]
         for key, value in detail.items()
     ]
-    program = Program([load(problem.domain).program("predict")], [*_facts(problem), *facts])
+    program = Program([load(problem.domain).program("predict")], [*facts(problem), *given])
     program.ground(("base", ()), *(("step", (t,)) for t in range(1, sound + 1)))
 
     def reaches(length: int) -> Solved:
@@ -182,23 +217,7 @@ def predict(problem: Problem, steps: Sequence[Step], details: Details | None = N
                 best, low = tried, middle
     if best.model is None:  # not even waiting is possible from here
         return predict(problem, ())
-    return _read(best.model, high), high
-
-
-def rest(plan: Plan, done: int) -> Plan:
-    """The remainder of a plan after `done` of its steps; the exchange is forgotten once it has happened."""
-    exchange = plan.exchange
-    if exchange is not None:
-        exchange = (exchange[0], exchange[1] - done) if exchange[1] >= done else None
-    details = {(t - done, action): detail for (t, action), detail in plan.details.items() if t >= done}
-    return replace(plan, steps=plan.steps[done:], states=plan.states[done:], details=details, exchange=exchange)
-
-
-def _facts(problem: Problem) -> list[str]:
-    facts = [f"static({key},{value})." for key, value in problem.static.items()]
-    facts += [f"init({fluent},{value})." for fluent, value in problem.state.items()]
-    facts += geometry.facts(problem)
-    return facts + ([f"guest({problem.guest})."] if problem.guest else [])
+    return read(best.model, high), high
 
 
 def _is_term(text: str) -> bool:
@@ -210,7 +229,7 @@ def _is_term(text: str) -> bool:
 
 def _prospects(problem: Problem) -> tuple[str, tuple[int, str], tuple[int, str]]:
     """Why there is no hope, or ""; the best admissible bound, and how long a plan is at most, each with its reason."""
-    (model,) = models([load(problem.domain).program("prospects")], _facts(problem))
+    (model,) = models([load(problem.domain).program("prospects")], facts(problem))
     reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
     for atom in model.atoms:
         match atom:
@@ -225,29 +244,3 @@ def _prospects(problem: Problem) -> tuple[str, tuple[int, str], tuple[int, str]]
 
 def _worded(text: str, args: str) -> str:
     return text.format(*parse(args)[1])
-
-
-def _plan(model: Model, within: int) -> Plan:
-    """The plan in a model, without the idle steps at its end."""
-    idle_from = 1 + max((int(a.args[1]) for a in model.atoms if a.name == "occurs"), default=-1)
-    reached = [int(a.args[0]) for a in model.atoms if a.name == "goal"]
-    return _read(model, min(t for t in (*reached, within) if t >= idle_from))
-
-
-def _read(model: Model, makespan: int) -> Plan:
-    steps: list[list[str]] = [[] for _ in range(makespan)]
-    states: list[dict[str, Value]] = [{} for _ in range(makespan + 1)]
-    details: dict[tuple[int, str], dict[str, Value]] = {}
-    exchange = None
-    for atom in model.atoms:
-        match atom:
-            case Atom("occurs", (action, int(t))) if t < makespan:
-                steps[t].append(str(action))
-            case Atom("holds", (fluent, value, int(t))) if t <= makespan:
-                states[t][str(fluent)] = value
-            case Atom("detail", (action, key, value, int(t))) if t < makespan:
-                details.setdefault((t, str(action)), {})[str(key)] = value
-            case Atom("exchanged", (robot, int(t))) if t < makespan:
-                exchange = (str(robot), t)
-    states_: tuple[State, ...] = tuple(states)
-    return Plan(tuple(map(tuple, steps)), states_, details, exchange)

@@ -21,17 +21,25 @@ class Problem:
 
     `static` are the domain's constants (``width``, ``height``, ``line``, ``delay``). `state` holds the sensed fluents,
     and ``"broken(c1)": 1`` for robots *known* to be broken. `guest` is the name that a borrowed robot would get
-    (empty: borrowing is not possible). Domain-neutral: everything else is in the domain's programs.
+    (empty: borrowing is not possible). With `guests`, the names and kinds of robots that may be borrowed, sharing is
+    general: ``share`` questions can be asked then, and no others. Domain-neutral: everything else is in the domain's
+    programs.
     """
 
     domain: str
     static: Mapping[str, Value]
     state: State
     guest: str = ""
+    guests: tuple[tuple[str, str], ...] = ()
 
 
 Promises = tuple[tuple[str, int], ...]
 """Robots that are given or taken: each the kind of robot and a step. Sorted."""
+
+
+def steps(promises: Promises, kind: str) -> list[int]:
+    """The steps of the robots of one kind, in order."""
+    return sorted(step for other, step in promises if other == kind)
 
 
 class Question(NamedTuple):
@@ -49,22 +57,38 @@ class Question(NamedTuple):
     takes: Promises = ()
 
 
+class Handed(NamedTuple):
+    """A robot of this kind that is given or taken in this step."""
+
+    kind: str
+    step: int
+    robot: str
+
+
 @dataclass(frozen=True)
 class Plan:
     """`steps[t]` are the actions of step t; `states[t]` the predicted sensed state before it, so there is one more.
 
     `details[(t, action)]` is what the written action leaves out (``{"effector": 3}`` of a taken robot).
-    `exchange` is the robot that is lent or borrowed and the step in which that happens.
+    `exchange` is the robot that is lent or borrowed and the step in which that happens, of a plan that exchanges one at
+    most; `gave` and `took` are all robots that are given and taken, sorted.
     """
 
     steps: tuple[Step, ...]
     states: tuple[State, ...] = ()
     details: Mapping[tuple[int, str], Mapping[str, Value]] = field(default_factory=dict)
     exchange: tuple[str, int] | None = None
+    gave: tuple[Handed, ...] = ()
+    took: tuple[Handed, ...] = ()
 
     @property
     def makespan(self) -> int:
         return len(self.steps)
+
+
+def promised(handed: tuple[Handed, ...]) -> Promises:
+    """Without the robots' names."""
+    return tuple((kind, step) for kind, step, _ in handed)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from reasoning.exchanges import advance
 from reasoning.horizons import Asking, Shared
-from reasoning.ledger import Known, Ledger, steps
+from reasoning.ledger import Known, Ledger
 from reasoning.loans import Market, Waiting
-from reasoning.values import Promises, Question
+from reasoning.values import Promises, Question, steps
 
 LONGEST = 12
 KINDS = ("carrier", "worker")

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from reasoning.planner import Planner, predict, rest
+from reasoning.planner import Planner, predict
+from reasoning.reading import rest
 from reasoning.values import Answer, Problem, Question
 from tests.reasoning import published
 from tests.reasoning.teams import team
