@@ -142,8 +142,8 @@ class Post:
         elif isinstance(body, Ping):
             self.answer(envelope, Ok())
         elif isinstance(body, EventsFrom):
-            self._beat()  # who settles accounts wants the latest figures, too
             self.answer(envelope, self._events_from(body))
+            self.beat_now()  # who settles accounts wants the latest figures, too
         elif (envelope.src, envelope.id) not in self._in_work:
             packed = self.journal.reply_to(envelope.src, envelope.id)
             if packed is None:
@@ -200,9 +200,10 @@ class Post:
 
     def beat_if_due(self) -> None:
         if wall_s() - self._beat_wall_s >= BEAT_S:
-            self._beat()
+            self.beat_now()
 
-    def _beat(self) -> None:
+    def beat_now(self) -> None:
+        """Show a sign of life with the latest figures."""
         self._beat_wall_s = wall_s()
         inbox, outbox = self.inbox, self.outbox
         beat = Beat(

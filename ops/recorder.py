@@ -103,7 +103,8 @@ def record(node: Node, directory: Path, stop: threading.Event) -> Summary:
         pass
     end_s = wall_s() + SWEEP_S
     summary = recorder.finish(lambda: wall_s() + ANSWER_S < end_s, node.post.inbox.refused.total())
-    while node.post.wait(0.05):  # the figures that came with the answers
+    node.post.beat_now()
+    while node.post.wait(0.05):  # the figures that came with the answers, and our own
         pass
     writer.close()
     return summary
