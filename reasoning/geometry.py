@@ -4,10 +4,13 @@ A domain whose ``domain.toml`` has a section ``[geometry]`` names there the cons
 else is done here for all such domains alike. Cells are squares of one metre, cell (x, y) reaches from x to x + 1
 metres; constants are integers in centimetres. The facts, for the levels of geometry that want them:
 
-- ``covered(P)``: furniture stands on the middle of cell P, at every level; the others are for ``static`` and ``both``;
-- ``path(P,P',MM)``: a robot can go from P to P' past the furniture, the shortest way is so many millimetres long;
-- ``part(P,C)``: P is in part C of the floor; parts are not connected;
-- ``apart(C,C',Names)``, ``touches(P,Names)``: furniture that is between two parts, or that a robot at P would touch.
+- ``covered(P)``: furniture stands on the middle of cell P; at every level;
+- ``part(P,C)``: P is in part C of the floor; parts are not connected; at every level but ``none``;
+- ``apart(C,C',Names)``, ``touches(P,Names)``: furniture that is between two parts, or that a robot at P would touch;
+- ``path(P,P',MM)``: a robot can go from P to P' past the furniture, the shortest way is so many millimetres long; at
+  ``static`` and ``both``.
+
+At ``interleaved`` and ``both``, geometry takes part in the search itself (`interleave`).
 """
 
 from __future__ import annotations
@@ -18,14 +21,22 @@ from functools import cached_property, lru_cache
 from itertools import combinations
 
 from reasoning.domain import Domain, load
+from reasoning.lessons import Lessons
 from reasoning.motion.convex import Point, nearest
+from reasoning.motion.judge import RoomJudge
 from reasoning.motion.layout import Disc, Layout
 from reasoning.motion.oracle import Oracle
-from reasoning.solver import parse, quoted
+from reasoning.motion.payload import PayloadPlanner
+from reasoning.propagation import MotionPropagator, Names
+from reasoning.solver import Program, parse, quoted
 from reasoning.values import Problem, State, Value
 
 STATIC_LEVELS = ("static", "both")
+INTERLEAVED_LEVELS = ("interleaved", "both")
+LIMITS_M = (2, 3, 4, 6, 8, 9, 12)
+"""Ways may be told to be longer than so much: multiples of what robots do in a unit of time."""
 WALL = "a wall"
+NAMES = Names("stands", "go", "lies_still", longer="longer", pair="pair")
 Cell = tuple[int, int]
 
 
@@ -95,40 +106,81 @@ def facts(problem: Problem) -> list[str]:
     return [] if known is None else list(_facts(known))
 
 
+def interleave(problem: Problem, program: Program) -> Lessons | None:
+    """Let geometry take part in the program's searches, where the scenario wants that; what it has learned about the
+    room in earlier searches is known from the start. None where it does not.
+
+    The program says in each step, in the predicates of `NAMES`, who stands and goes where and what is in the way.
+    """
+    known = room(problem.domain, problem.static, problem.state)
+    if known is None or known.level not in INTERLEAVED_LEVELS:
+        return None
+    lessons = _lessons(known)
+    program.register(MotionPropagator(NAMES, lessons))
+    return lessons
+
+
+@lru_cache(maxsize=8)
+def _lessons(known: Room) -> Lessons:
+    oracle = Oracle()
+    judge = RoomJudge(
+        oracle,
+        known.layout,
+        point=lambda place: middle(cell(place)),
+        radius_m=lambda _: known.robot_m,
+        disc=lambda key: known.thing(cell(key[-1])),
+        payload=PayloadPlanner(oracle),
+        carried_m=known.thing_m,
+    )
+    return Lessons(judge, LIMITS_M)
+
+
 @lru_cache(maxsize=64)
 def _facts(known: Room) -> tuple[str, ...]:
     oracle = Oracle()
     covered = [c for c in known.cells if not oracle.free(known.layout, 0.0, middle(c))]
     found = [f"covered({_term(c)})." for c in covered]
-    if known.level in STATIC_LEVELS:
-        found += _ways(known, oracle)
+    if known.level in (*STATIC_LEVELS, *INTERLEAVED_LEVELS):
+        parts = _parts(known, oracle)
+        found += _between(known, parts)
+        if known.level in STATIC_LEVELS:
+            found += _ways(known, oracle, parts)
     return tuple(found)
 
 
-def _ways(known: Room, oracle: Oracle) -> list[str]:
-    """All shortest ways past the furniture, and why there are no others."""
-    found = []
+def _parts(known: Room, oracle: Oracle) -> list[list[Cell]]:
+    """The cells where a robot can stand, by the parts of the floor that are not connected."""
     parts: list[list[Cell]] = []
     for c in known.cells:
-        if not oracle.free(known.layout, known.robot_m, middle(c)):
-            found.append(f"touches({_term(c)},{quoted(_touching(known, c))}).")
-            continue
-        own = next((part for part in parts if _connected(known, oracle, part[0], c)), None)
-        if own is None:
-            parts.append([c])
-        else:
-            own.append(c)
-    for number, part in enumerate(parts):
-        found += [f"part({_term(c)},{number})." for c in part]
-        found += [f"path({_term(c)},{_term(c)},0)." for c in part]
+        if oracle.free(known.layout, known.robot_m, middle(c)):
+            own = next((part for part in parts if _connected(known, oracle, part[0], c)), None)
+            if own is None:
+                parts.append([c])
+            else:
+                own.append(c)
+    return parts
+
+
+def _between(known: Room, parts: list[list[Cell]]) -> list[str]:
+    """Where a robot can stand, and what keeps it from where it cannot."""
+    found = [f"part({_term(c)},{number})." for number, part in enumerate(parts) for c in part]
+    standing = {c for part in parts for c in part}
+    found += [f"touches({_term(c)},{quoted(_touching(known, c))})." for c in known.cells if c not in standing]
+    for (a, one), (b, other) in combinations(enumerate(parts), 2):
+        names = quoted(between(known, one[0], other[0]))
+        found += [f"apart({a},{b},{names}).", f"apart({b},{a},{names})."]
+    return found
+
+
+def _ways(known: Room, oracle: Oracle, parts: list[list[Cell]]) -> list[str]:
+    """All shortest ways past the furniture."""
+    found = [f"path({_term(c)},{_term(c)},0)." for part in parts for c in part]
+    for part in parts:
         for p, q in combinations(part, 2):
             way = oracle.shortest(known.layout, known.robot_m, middle(p), middle(q))
             if way is not None:
                 length_mm = round(1000 * way.length_m)
                 found += [f"path({_term(a)},{_term(b)},{length_mm})." for a, b in ((p, q), (q, p))]
-    for (a, one), (b, other) in combinations(enumerate(parts), 2):
-        names = quoted(between(known, one[0], other[0]))
-        found += [f"apart({a},{b},{names}).", f"apart({b},{a},{names})."]
     return found
 
 
