@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import clingo
+from clingo import PropagateControl as PropagateControl
+from clingo import PropagateInit as PropagateInit
+from clingo import Propagator as Propagator
 
 Term = int | str
 SLICE_S = 0.2
@@ -118,6 +121,10 @@ class Program:
         with self._door():
             self.control.ground([(name, [clingo.Number(a) for a in args]) for name, args in parts])
 
+    def register(self, propagator: Propagator) -> None:
+        """Let a propagator take part in every search from now on. An exception in it comes out of the search."""
+        self.control.register_propagator(propagator)
+
     def solve(
         self,
         assumptions: Sequence[Assumption],
@@ -194,6 +201,17 @@ class Program:
             text = "; ".join(self._messages) or str(failed)
             self._messages.clear()
             raise SolverError(text) from failed
+
+
+def solver_literals(init: PropagateInit, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], int]]:
+    """The arguments of all atoms of a predicate that a propagator may meet, with their literals."""
+    for atom in init.symbolic_atoms.by_signature(name, arity):
+        yield _arguments(atom.symbol), init.solver_literal(atom.literal)
+
+
+@lru_cache(maxsize=1 << 18)
+def _arguments(symbol: clingo.Symbol) -> tuple[Term, ...]:
+    return tuple(_plain(a) for a in symbol.arguments)
 
 
 def _model(model: clingo.Model) -> Model:

@@ -11,11 +11,12 @@ import heapq
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 from reasoning.motion.connectivity import MARGIN_M, REMEMBERED, Connectivity
 from reasoning.motion.convex import Point, Polygon
-from reasoning.motion.layout import WALLS, Layout
+from reasoning.motion.layout import WALLS, Disc, Layout
 
 TOUCH_M = 1e-7
 """Ways may touch obstacles; so much deeper they do not."""
@@ -101,9 +102,8 @@ class Roadmap:
         layout, near = connectivity.layout, connectivity.radius_m
         far = near + connectivity.margin_m
         near += connectivity.margin_m / 10
-        shapes = [_grown(core, near, far) for core in layout.solids[WALLS:]]
-        shapes += [_grown(((x, y),), near + r, far + r) for x, y, r in layout.discs]
-        self._bodies = [Body(shape) for shape in shapes]
+        self._bodies = [Body(_grown(core, near, far)) for core in layout.solids[WALLS:]]
+        self._bodies += [_thing(disc, connectivity.radius_m, connectivity.margin_m) for disc in layout.discs]
         low, right, top = far - TOUCH_M, layout.width_m - far + TOUCH_M, layout.height_m - far + TOUCH_M
         self._corners = [
             Corner(*at, before, after)
@@ -196,6 +196,18 @@ class Roadmap:
         points.append(p)
         points.reverse()
         return Trajectory(tuple(points), sum(map(math.dist, points, points[1:])))
+
+
+def hits(way: Trajectory, disc: Disc, radius_m: float, margin_m: float = MARGIN_M) -> bool:
+    """Whether a way would not be taken if the disc were in the layout."""
+    body = _thing(disc, radius_m, margin_m)
+    return any(body.cuts(*p, *q) for p, q in pairwise(way.points))
+
+
+@lru_cache(maxsize=4096)
+def _thing(disc: Disc, radius_m: float, margin_m: float) -> Body:
+    x, y, r = disc
+    return Body(_grown(((x, y),), radius_m + margin_m / 10 + r, radius_m + margin_m + r))
 
 
 def _edge(a: Point, b: Point) -> Edge:

