@@ -10,6 +10,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import weakref
 from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ class PayloadPlanner:
     def __init__(self, oracle: Oracle, *, seed: int = 0, budget: int = BUDGET) -> None:
         self._oracle, self._seed, self._budget = oracle, seed, budget
         self._worker: subprocess.Popen[str] | None = None
-        self._complaints: IO[bytes] | None = None
+        self._end: weakref.finalize[..., PayloadPlanner] | None = None
         self._known: dict[tuple[Layout, Body, Pose, Pose], Answer] = {}
         self.verdicts: Counter[Verdict] = Counter()
         """How often each verdict was found; answers that were known already are not counted again."""
@@ -78,14 +79,10 @@ class PayloadPlanner:
         return self._known[key]
 
     def close(self) -> None:
-        """End the worker; a later query starts another one."""
-        if self._worker is not None:
-            self._worker.kill()
-            self._worker.communicate()
-            self._worker = None
-        if self._complaints is not None:
-            self._complaints.close()
-            self._complaints = None
+        """End the worker; a later query starts another one. It ends with its planner at the latest."""
+        if self._end is not None:
+            self._end()
+        self._worker = self._end = None
 
     def _decide(self, layout: Layout, body: Body, start: Pose, goal: Pose) -> Answer:
         around, margin = Surroundings(layout), self._oracle.margin_m
@@ -138,15 +135,22 @@ class PayloadPlanner:
     def _started(self) -> subprocess.Popen[str]:
         if self._worker is not None:
             return self._worker
-        self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the worker)
+        complaints = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the worker)
         command = [sys.executable, "-m", "reasoning.motion.worker"]
         self._worker = worker = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._complaints, text=True
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=complaints, text=True
         )
+        self._end = weakref.finalize(self, _ended, worker, complaints)
         assert worker.stdout is not None
         if worker.stdout.readline() != "ready\n":
-            self._complaints.seek(0)
-            complaint = self._complaints.read().decode(errors="replace").strip()
+            complaints.seek(0)
+            complaint = complaints.read().decode(errors="replace").strip()
             self.close()
             raise WorkerError(f"the motion worker does not start: {complaint or 'it said nothing'}")
         return worker
+
+
+def _ended(worker: subprocess.Popen[str], complaints: IO[bytes]) -> None:
+    worker.kill()
+    worker.communicate()
+    complaints.close()

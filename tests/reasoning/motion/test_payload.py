@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gc
 import math
 import os
 import random
@@ -104,6 +105,17 @@ def test_a_killed_worker_is_replaced_and_the_answers_are_the_same(planner: Paylo
         os.kill(other.pid, signal.SIGKILL)
         assert other.path(door(0.9), TABLE, START, GOAL) == whole
         assert other.deaths == 1
+
+
+def test_a_forgotten_planner_ends_its_worker() -> None:
+    planner = PayloadPlanner(Oracle())
+    planner.path(door(0.9), TABLE, START, GOAL)
+    pid = planner.pid
+    assert pid is not None
+    del planner
+    gc.collect()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
 
 
 def test_a_worker_that_does_not_start_is_an_error(planner: PayloadPlanner, monkeypatch: pytest.MonkeyPatch) -> None:
