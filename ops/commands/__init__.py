@@ -17,6 +17,7 @@ COMMANDS: dict[str, str] = {
     "list": "the shipped scenarios and diagnosis cases, and what is running now",
     "validate": "is this scenario file right?",
     "compile": "write the files that a scenario's processes are given",
+    "commonsense": "build a commonsense base from a ConceptNet assertions file",
     "doctor": "is this machine fit to run muster? what is wrong, and what to do",
     "bench": "run a benchmark and print its figures",
     "reference": "write the reference pages of the documentation from the code",
