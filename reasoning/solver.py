@@ -206,12 +206,25 @@ class Program:
 def solver_literals(init: PropagateInit, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], int]]:
     """The arguments of all atoms of a predicate that a propagator may meet, with their literals."""
     for atom in init.symbolic_atoms.by_signature(name, arity):
-        yield _arguments(atom.symbol), init.solver_literal(atom.literal)
+        yield _arguments(str(atom.symbol)), init.solver_literal(atom.literal)
 
 
 @lru_cache(maxsize=1 << 18)
-def _arguments(symbol: clingo.Symbol) -> tuple[Term, ...]:
-    return tuple(_plain(a) for a in symbol.arguments)
+def _arguments(atom: str) -> tuple[Term, ...]:
+    """The arguments of a written atom. Faster than to ask for each of them."""
+    inside = atom[atom.index("(") + 1 : -1]
+    if '"' in inside:
+        return parse(atom)[1]
+    arguments, depth, begin = [], 0, 0
+    for at, letter in enumerate(inside + ","):
+        if letter == "(":
+            depth += 1
+        elif letter == ")":
+            depth -= 1
+        elif letter == "," and depth == 0:
+            arguments.append(inside[begin:at])
+            begin = at + 1
+    return tuple(int(text) if text.lstrip("-").isdigit() else text for text in arguments)
 
 
 def _model(model: clingo.Model) -> Model:
