@@ -115,30 +115,26 @@ def sharing(
     teams = sorted(asker.subject.states)
     alone = [team for team in teams if not asker.can(team, "alone", within)]
     borrowers = {*alone, *(team for team, role in must.items() if role == "borrow")}
-    make = no_sharing(
-        within,
-        int(asker.subject.static.get(DELAY, 0)),
-        teams,
-        alone=alone,
-        early={team: _earliest(asker, team, within) for team in teams if team not in alone},
-        late={team: _latest(asker, team, within) for team in sorted(borrowers)},
-        must=must,
-        may_not=may_not,
-    )
+    delay = int(asker.subject.static.get(DELAY, 0))
+    late = {team: _latest(asker, team, within) for team in sorted(borrowers)}
+    useful = sorted({step - delay for step in late.values() if step >= delay})
+    early = {team: _earliest(asker, team, within, useful) for team in teams if team not in alone}
+    make = no_sharing(within, delay, teams, alone=alone, early=early, late=late, must=must, may_not=may_not)
     refuted = "what a team cannot do was refuted by its own planner"
     return asker.part(claim, make, f"{within} steps are possible so", PUBLISHED, refuted, shared=True)
 
 
-def _earliest(asker: Asker, team: str, within: int) -> int:
-    """The earliest step by which the team can lend; `within` if it cannot at all."""
-    low, high = 0, within
+def _earliest(asker: Asker, team: str, within: int, useful: Sequence[int]) -> int:
+    """A step before which the team cannot lend, as far as it matters: some borrower has use for a robot that is given
+    by one of the useful steps, and none for later ones."""
+    low, high = 0, len(useful)
     while low < high:
         middle = (low + high) // 2
-        if asker.can(team, "lend", within, middle):
+        if asker.can(team, "lend", within, useful[middle]):
             high = middle
         else:
             low = middle + 1
-    return low
+    return useful[low - 1] + 1 if low else 0
 
 
 def _latest(asker: Asker, team: str, within: int) -> int:
