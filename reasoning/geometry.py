@@ -103,7 +103,7 @@ def room(domain: str | Domain, static: Mapping[str, Value], state: State) -> Roo
 def facts(problem: Problem) -> list[str]:
     """What the programs of a domain are told of geometry; nothing where the domain does not want it."""
     known = room(problem.domain, problem.static, problem.state)
-    return [] if known is None else list(_facts(known))
+    return [] if known is None else list(room_facts(known))
 
 
 def interleave(problem: Problem, program: Program) -> Lessons | None:
@@ -115,13 +115,14 @@ def interleave(problem: Problem, program: Program) -> Lessons | None:
     known = room(problem.domain, problem.static, problem.state)
     if known is None or known.level not in INTERLEAVED_LEVELS:
         return None
-    lessons = _lessons(known)
-    program.register(MotionPropagator(NAMES, lessons))
-    return lessons
+    learned = lessons(known)
+    program.register(MotionPropagator(NAMES, learned))
+    return learned
 
 
 @lru_cache(maxsize=8)
-def _lessons(known: Room) -> Lessons:
+def lessons(known: Room) -> Lessons:
+    """What is learned about a room, by all searches of this process."""
     oracle = Oracle()
     judge = RoomJudge(
         oracle,
@@ -136,7 +137,8 @@ def _lessons(known: Room) -> Lessons:
 
 
 @lru_cache(maxsize=64)
-def _facts(known: Room) -> tuple[str, ...]:
+def room_facts(known: Room) -> tuple[str, ...]:
+    """The facts about a room, made once."""
     oracle = Oracle()
     covered = [c for c in known.cells if not oracle.free(known.layout, 0.0, middle(c))]
     found = [f"covered({_term(c)})." for c in covered]

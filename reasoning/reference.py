@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Literal
 
 from reasoning.domain import load
+from reasoning.reading import facts as told
 from reasoning.solver import Assumption, Atom, Model, Program, Solved
 from reasoning.values import Answer, Found, Plan, Problem, Question, Value
 
@@ -104,9 +105,7 @@ def answer(problem: Problem, question: Question, *, seconds: float | None = None
 
 
 def _program(problem: Problem, kind: Kind, step: int | None) -> Program:
-    facts = [f"static({key},{value})." for key, value in problem.static.items()]
-    facts += [f"init({fluent},{value})." for fluent, value in problem.state.items()]
-    facts += [f"guest({problem.guest})."] if problem.guest else []
+    facts = told(problem)
     facts += [f"lend({'#sup' if step is None else step})."] if kind == "lend" else []
     facts += [f"borrow({0 if step is None else step})."] if kind == "borrow" else []
     return Program([load(problem.domain).program("reference")], facts)
