@@ -120,7 +120,7 @@ def test_the_team_and_then_the_coordinator(make_system: MakeSystem, setting: Pre
         system.close()
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", [*range(10), *(pytest.param(n, marks=pytest.mark.slow) for n in range(10, 30))])
 def test_whatever_happens(make_system: MakeSystem, seed: int) -> None:
     """Messages are lost, repeated and reordered, and everybody is killed again and again."""
     dice = random.Random(seed)

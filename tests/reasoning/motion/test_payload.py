@@ -124,6 +124,7 @@ def test_a_worker_that_does_not_start_is_an_error(planner: PayloadPlanner, monke
         planner.path(door(0.9), TABLE, START, GOAL)
 
 
+@pytest.mark.slow
 def test_paths_in_drawn_rooms_are_clear_in_small_steps() -> None:
     found = 0
     with PayloadPlanner(Oracle(), budget=3000) as planner:
