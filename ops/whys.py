@@ -1,7 +1,5 @@
-"""Questions why about a scenario, a plan or a recorded run, put to the solver (`reasoning.why`).
-
-A question may have several parts: each is a claim with the clash that refutes the opposite.
-"""
+"""Questions why about a scenario, a plan or a recorded run, put to the solver. A question may have several parts: each
+is a claim with the clash that refutes the opposite."""
 
 from __future__ import annotations
 
@@ -35,6 +33,7 @@ def no_plan_at_all(asker: Asker) -> list[Part]:
     alone = [team for team, problem in own.items() if Planner(problem).hopeless()]
     if len(own) == 1:
         return [_never(asker, team, problem, "") for team, problem in own.items()]
+    _published(subject)
     helpless = {team: -1 for team in alone if Planner(subject.problem(team)).hopeless()}
     make = no_sharing(1, 0, own, alone=alone, late=helpless)
     possible = "nothing speaks against a shared plan as long as time is left out; ask --within STEPS"
@@ -110,7 +109,12 @@ def sharing(
     must: Mapping[str, Role] | None = None,
     may_not: Mapping[str, Role] | None = None,
 ) -> Part:
-    """The coordinator's question, from what the teams answer. Raises `EndedError`."""
+    """The coordinator's question, from what the teams answer. Raises `EndedError`, and `InputError` where teams share
+    their robots without the published limits: that is not explained yet."""
+    if asker.subject.static.get("sharing", "published") != "published":
+        raise InputError(
+            "general sharing is not explained yet; ask of one team with --within and a scenario of its own"
+        )
     must, may_not = must or {}, may_not or {}
     teams = sorted(asker.subject.states)
     alone = [team for team in teams if not asker.can(team, "alone", within)]
@@ -122,6 +126,12 @@ def sharing(
     make = no_sharing(within, delay, teams, alone=alone, early=early, late=late, must=must, may_not=may_not)
     refuted = "what a team cannot do was refuted by its own planner"
     return asker.part(claim, make, f"{within} steps are possible so", PUBLISHED, refuted, shared=True)
+
+
+def _published(subject: Subject) -> None:
+    """Raises `InputError` where teams share their robots without the published limits."""
+    if subject.static.get("sharing", "published") != "published":
+        raise InputError(f"{subject.name}: only sharing under the published limits can be explained; this is general")
 
 
 def _earliest(asker: Asker, team: str, within: int, useful: Sequence[int]) -> int:

@@ -129,6 +129,17 @@ def test_what_can_never_be(problem: Problem, expected: set[str]) -> None:
     assert Planner(problem).hopeless()
 
 
+def test_a_fixed_end_effector() -> None:
+    one = team([((1, 3), 1)], 1)
+    painter = Problem(one.domain, one.static, {**one.state, "fixed(w1)": 1})
+    assert clash(not_possible(painter, "swapEndEffector(w1,2)")) == {
+        "action(swapEndEffector(w1,2))", "robot(w1)", "start(fixed(w1),1)", "rule(swap_fixed)"
+    }  # fmt: skip
+    assert {"start(effector(w1),1)", "start(fixed(w1),1)", "rule(swap_fixed)", "rule(work_stage)"} < clash(
+        never(painter)
+    )
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_what_has_a_plan_is_never_called_impossible(seed: int) -> None:
     problem = drawn(seed, breaks=0.3)
