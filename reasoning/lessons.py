@@ -40,7 +40,7 @@ class Judge(Protocol):
 
     def lessons(self, motion: Motion, obstacles: frozenset[Key], limits: tuple[int, ...]) -> Iterable[Lesson]:
         """What forbids the motion; or else, for each of the limits that it is longer than, why. Each lesson names only
-        obstacles that are needed. Nothing, if nothing is to be said."""
+        obstacles that are needed. Nothing, if nothing is to be said. Lessons about other motions may be added."""
 
 
 class Lessons:
@@ -62,8 +62,9 @@ class Lessons:
             if not forbidden:
                 self.asked += 1
                 for lesson in self.judge.lessons(motion, obstacles, self.limits):
-                    if all(self.learned[n] != lesson for n in known):
-                        known.append(len(self.learned))
+                    same = self._of.setdefault(lesson.motion, [])
+                    if all(self.learned[n] != lesson for n in same):
+                        same.append(len(self.learned))
                         self.learned.append(lesson)
             self._judged.add((motion, obstacles))
         return [n for n in known if self.learned[n].obstacles <= obstacles]

@@ -122,7 +122,8 @@ class Program:
             self.control.ground([(name, [clingo.Number(a) for a in args]) for name, args in parts])
 
     def register(self, propagator: Propagator) -> None:
-        """Let a propagator take part in every search from now on. An exception in it comes out of the search."""
+        """Let a propagator take part in every search from now on. An exception in it ends the search with a
+        RuntimeError that says the same."""
         self.control.register_propagator(propagator)
 
     def solve(

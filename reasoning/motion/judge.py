@@ -43,11 +43,14 @@ class RoomJudge:
         return self._radius_m(body)
 
     def lessons(self, motion: Motion, obstacles: frozenset[Key], limits: tuple[int, ...]) -> list[Lesson]:
-        """See `reasoning.lessons.Judge`; limits are metres."""
+        """See `reasoning.lessons.Judge`; limits are metres. What holds of a way holds of the way back."""
         ends = {self._point(place) for place in (*motion.starts, *motion.goals)}
         discs = {key: self._disc(key) for key in sorted(obstacles, key=str)}
         near = {key: disc for key, disc in discs.items() if disc[:2] not in ends}
-        return self._pair(motion, near) if len(motion.kinds) == 2 else self._single(motion, near, limits)
+        found = self._pair(motion, near) if len(motion.kinds) == 2 else self._single(motion, near, limits)
+        back = Motion(motion.kinds, motion.goals, motion.starts)
+        # What ompl did not find one way it may find the other way: of pairs, only what is asked is told.
+        return found + [lesson._replace(motion=back) for lesson in found if len(motion.kinds) == 1]
 
     def _single(self, motion: Motion, near: dict[Key, Disc], limits: tuple[int, ...]) -> list[Lesson]:
         radius_m, start, goal = self._told(motion)

@@ -132,9 +132,21 @@ def test_the_plans_are_those_of_exhaustive_precomputation(tmp_path: Path, facts:
 def test_lessons_are_short() -> None:
     """Of four things, only that in the gap between the halves of the room is a reason."""
     things = {"x": "(2,2)", "y": "(0,0)", "z": "(3,0)", "u": "(0,1)"}
-    (lesson,) = Counting().lessons(Motion((RADIUS_M,), ("(0,2)",), ("(3,1)",)), frozenset(things.items()), ())
+    lesson, back = Counting().lessons(Motion((RADIUS_M,), ("(0,2)",), ("(3,1)",)), frozenset(things.items()), ())
     assert lesson.obstacles == {("x", "(2,2)")}
     assert lesson.longer is None
+    assert back == Lesson(Motion((RADIUS_M,), ("(3,1)",), ("(0,2)",)), lesson.obstacles)
+
+
+def test_an_exception_of_the_judge_ends_the_search(tmp_path: Path) -> None:
+    class Broken(Counting):
+        def lessons(self, motion: Motion, obstacles: frozenset[Key], limits: tuple[int, ...]) -> list[Lesson]:
+            raise ZeroDivisionError("out of order")
+
+    loaded = grown(program(tmp_path, ":- not go(_,_,0).", SITUATIONS[0][0]), 1)
+    loaded.register(MotionPropagator(NAMES, Lessons(Broken())))
+    with pytest.raises(RuntimeError, match="out of order"):
+        loaded.solve([])
 
 
 def test_searches_for_other_lengths_and_replans_ask_nothing_twice(tmp_path: Path) -> None:
