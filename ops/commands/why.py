@@ -85,6 +85,10 @@ def execute(args: argparse.Namespace) -> int:
 def _parts(args: argparse.Namespace, asker: Asker) -> list[Part]:
     """The question that the options ask. Raises `InputError`, `EndedError`."""
     subject = asker.subject
+    if not subject.domain.data.why:
+        raise InputError(f"{args.what}: the domain {subject.domain.name} cannot be asked why yet: it has no why.lp")
+    if not 0.0 <= args.budget < float("inf"):
+        raise InputError(f"--budget {args.budget}: expected seconds, 0 or more")
     for option, team in (("team", args.team), ("borrows", args.borrows), ("lends", args.lends)):
         if team is not None and team not in subject.states:
             raise InputError(f"--{option} {team}: there is no such team; there are {', '.join(subject.states)}")

@@ -92,6 +92,8 @@ def test_why_one_team_borrows_and_not_another(capsys: pytest.CaptureFixture[str]
     (part,) = ask(capsys, "factory/broken_worker", *LENDING, "--borrows", "T1", "--not", "T2")
     assert part["claim"].endswith("steps are not possible if T2 borrows and T1 does not")
     assert members(part) == {'alone("T1")', 'may_not("T1",borrow)'}
+    (part,) = ask(capsys, "factory/broken_worker", *LENDING, "--lends", "T2")
+    assert members(part) == {'alone("T1")', 'may_not("T2",lend)'}
     assert main(["why", "factory/broken_worker", *LENDING, "--borrows", "T2"]) == 2
     assert "T2 does not borrow in this plan; who does: T1" in capsys.readouterr().err
 
@@ -193,6 +195,7 @@ def test_what_a_recorded_run_says(capsys: pytest.CaptureFixture[str], tmp_path: 
         ([PUBLISHED, "--team", "T9"], "--team T9: there is no such team; there are T1, T2, T3, T4"),
         (["factory/carrier_at_step_16"], "a diagnosis case; ask --suspected ROBOT"),
         (["factory/one_worker", "--within", "-1"], "expected steps, 0 or more"),
+        (["factory/one_worker", "--budget", "nan"], "expected seconds, 0 or more"),
         (["factory/one_worker", "--set", "teams.T1.boxes=0"], "nothing is to be done"),
     ],
 )
