@@ -58,14 +58,14 @@ def _piece(
     return tuple((x + c * long * u - s * wide * v, y + s * long * u + c * wide * v) for u, v in shape)
 
 
-def obstacles(layout: Layout, grown_m: float = 0.0, fine: int = 8) -> shapely.Geometry:
+def obstacles(layout: Layout, grown_m: float = 0.0, fine: int = 6) -> shapely.Geometry:
     """Furniture and things, grown; arcs are `fine` chords a quarter turn."""
-    furniture = [Polygon(p).buffer(grown_m, quad_segs=fine) for p in layout.polygons]
-    things = [Point(x, y).buffer(r + grown_m, quad_segs=fine) for x, y, r in layout.discs]
-    return shapely.union_all([*furniture, *things])
+    shapes = [*(Polygon(p) for p in layout.polygons), *(Point(x, y) for x, y, _ in layout.discs)]
+    growth = [grown_m] * len(layout.polygons) + [r + grown_m for _, _, r in layout.discs]
+    return shapely.union_all(shapely.buffer(shapes, growth, quad_segs=fine))
 
 
-def rooms_parts(layout: Layout, grown_m: float, fine: int = 8) -> list[shapely.Geometry]:
+def rooms_parts(layout: Layout, grown_m: float, fine: int = 6) -> list[shapely.Geometry]:
     """The connected parts of where the centre of a disc of radius `grown_m` can be."""
     inner = box(grown_m, grown_m, layout.width_m - grown_m, layout.height_m - grown_m)
     free = inner.difference(obstacles(layout, grown_m, fine))

@@ -49,6 +49,7 @@ def test_connectivity_agrees_with_polygons_in_500_rooms() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 def test_connectivity_agrees_with_polygons_in_10_000_rooms() -> None:
     assert agreement(10_000, 0) > 2500
 
