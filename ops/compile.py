@@ -24,6 +24,7 @@ from reasoning.domain import Domain, load
 from reasoning.setup import Refused, Setup, compile_setup
 
 DELAY = "delay"
+SHARING = "sharing"
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,11 @@ def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compi
     """What the processes are told. Raises `InputError` for a set-up or a fault that the domain does not allow, and for
     a domain that can only be planned."""
     setup = start(scenario)
+    if setup.static.get(SHARING) == "general":
+        raise scenario.complaint(
+            ["exchange", "sharing"],
+            "expected published: general sharing can be planned (muster plan), but not be run yet",
+        )
     domain = load(scenario.domain)
     if not domain.can_run:
         raise InputError(

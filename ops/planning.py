@@ -1,27 +1,30 @@
 """Planning a whole scenario in this process: every team's planner, and the coordinator's search among them.
 
-The same pure functions as the agents use (`reasoning.planner`, `reasoning.sharing`), without processes. Every plan that
+The same pure functions as the agents use (`reasoning.planner`, `reasoning.sharing`), or those of general sharing,
+without processes. Every plan that
 is found goes through the independent checker before anybody sees it.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from bus.clock import wall_s
-from ops.compile import DELAY, start
+from ops import shares
+from ops.compile import start
 from ops.scenario import Scenario
-from reasoning.checker import Exchange, check
+from reasoning.checker import check
 from reasoning.costs import cheapest
-from reasoning.domain import Domain, load
+from reasoning.domain import load
+from reasoning.horizons import Asking, Shared
+from reasoning.ledger import Known, Ledger
 from reasoning.planner import Planner
+from reasoning.prospects import prospects
 from reasoning.setup import Setup
-from reasoning.sharing import Asking, Known, Ledger, Shared, advance
 from reasoning.values import Answer, Plan, Problem, Question, Step, Violation
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown", "refused"]
@@ -81,11 +84,9 @@ class _Team:
     plans: dict[Known, Plan] = field(default_factory=dict)
 
     def learn(self, answer: Answer) -> None:
-        plan = answer.plan
-        finish, at = (plan.makespan, plan.exchange[1] if plan.exchange else 0) if plan else (0, 0)
-        known = Known(answer.question, answer.verdict, finish, at, answer.conflicts)
-        if plan is not None:
-            self.plans[known] = plan
+        known = shares.learned(answer)
+        if answer.plan is not None:
+            self.plans[known] = answer.plan
         self.ledger = self.ledger.learn(known)
 
 
@@ -101,13 +102,16 @@ def solve(
     setup = start(scenario)
     domain = load(scenario.domain)
     patience = _Patience(began, scenario.limits.search_s, stop)
-    teams = {team: _team(team, scenario, domain, setup, patience) for team in scenario.teams}
+    problems = shares.problems(domain, setup)
+    teams = {team: _team(problem, patience) for team, problem in problems.items()}
     if not domain.data.exchanged:
         alone, questions = _each_alone(teams, scenario, patience, progress)
         return _joint(alone, teams, scenario, setup, questions, wall_s() - began)
     questions = 0
     best: tuple[Shared, JointPlan] | None = None
-    while isinstance(result := _advance(teams, setup), Asking):
+    asking: Asking | None = None
+    while isinstance(result := _advance(teams, setup, asking), Asking):
+        asking = result
         so_far = result.so_far
         if patience.limited and so_far.roles and (best is None or best[0].roles != so_far.roles):
             # Checked as soon as it is found, so that nothing is left to do when the time is over.
@@ -121,7 +125,7 @@ def solve(
             result = replace(so_far, proof=proof)
             break
         for name, asked in sorted(result.questions.items()):
-            progress(f"{result.within} steps: {name} {_words(asked)}{_so_far(result)}")
+            progress(f"{result.within} steps: {name} {shares.words(asked)}{_so_far(result)}")
         questions += len(result.questions)
         answers = _ask(teams, result.questions, scenario.limits.conflicts or None, patience.left_s())
         for name, answer in answers.items():
@@ -143,15 +147,13 @@ def _ask(
     return {name: future.result() for name, future in futures.items()}
 
 
-def _team(name: str, scenario: Scenario, domain: Domain, setup: Setup, patience: _Patience) -> _Team:
-    state, several = setup.states[name], len(setup.states) > 1
-    guest = _guest(domain, setup, name) if several else ""
-    problem = Problem(scenario.domain, setup.static, state, guest)
+def _team(problem: Problem, patience: _Patience) -> _Team:
     planner = Planner(problem, cancelled=lambda: bool(patience.over()), clock=wall_s)
-    alone = Planner(Problem(scenario.domain, setup.static, state)).hopeless()
-    with_guest = planner.hopeless() if guest else alone
-    ledger = Ledger(planner.lower_bound(), (), not alone, several and not with_guest)
-    return _Team(planner, ledger, problem, alone)
+    alone = prospects(replace(problem, guest="", guests=()))
+    several = bool(problem.guest or problem.guests)
+    with_guest = planner.hopeless() if several else alone.hopeless
+    ledger = Ledger(planner.lower_bound(), (), not alone.hopeless, several and not with_guest, alone.stock)
+    return _Team(planner, ledger, problem, alone.hopeless)
 
 
 def _each_alone(
@@ -190,8 +192,8 @@ def _each_alone(
     return Shared(worst, makespan, max(bounds), roles, (), "; ".join(proofs)), len(asked)
 
 
-def _advance(teams: Mapping[str, _Team], setup: Setup) -> Asking | Shared:
-    return advance({name: team.ledger for name, team in teams.items()}, int(setup.static.get(DELAY, 0)))
+def _advance(teams: Mapping[str, _Team], setup: Setup, before: Asking | None) -> Asking | Shared:
+    return shares.advance({name: team.ledger for name, team in teams.items()}, setup, before)
 
 
 def _joint(
@@ -207,7 +209,7 @@ def _joint(
         if known is None:
             raise AssertionError(f"{name}: no plan answers {question}")
         plans[name] = teams[name].plans[known]
-    exchanges = tuple(_exchange(loan.giver, loan.taker, plans) for loan in shared.loans)
+    exchanges = tuple(shares.exchanged(loan, plans) for loan in shared.loans)
     steps = {name: plan.steps for name, plan in plans.items()}
     details = {name: plan.details for name, plan in plans.items()}
     violations = check(scenario.domain, setup.static, setup.states, steps, exchanges=exchanges, details=details)
@@ -230,28 +232,5 @@ def _joint(
     return JointPlan(status, makespan, shared.lower_bound, shared.proof, told, steps, questions, seconds, refused)
 
 
-def _exchange(giver: str, taker: str, plans: Mapping[str, Plan]) -> Exchange:
-    given, taken = plans[giver].exchange, plans[taker].exchange
-    if given is None or taken is None:
-        raise AssertionError(f"{giver} and {taker} are matched, but their plans exchange nobody")
-    return Exchange(given[0], giver, given[1], taker, taken[1], taken[0])
-
-
-def _guest(domain: Domain, setup: Setup, team: str) -> str:
-    """What a borrowed robot would be called: the prefix of the kind that is exchanged, and the next number."""
-    kind = domain.data.exchanged
-    if not kind:
-        return ""
-    prefix = str(domain.data.kinds[kind]["prefix"])
-    taken = [entity.name for entity in setup.entities if entity.team == team]
-    numbers = [int(match[1]) for name in taken if (match := re.fullmatch(rf"{re.escape(prefix)}(\d+)", name))]
-    return f"{prefix}{max(numbers, default=0) + 1}"
-
-
 def _so_far(asking: Asking) -> str:
     return f" (at least {asking.low} are needed; {f'{asking.high} are known' if asking.high else 'no plan yet'})"
-
-
-def _words(question: Question) -> str:
-    how = {"alone": "alone", "lend": f"lending by step {question.step}", "borrow": f"borrowing from {question.step} on"}
-    return how[question.kind]

@@ -22,7 +22,7 @@ from ops.cli import parser
 from ops.commands import COMMANDS
 from ops.faultwords import usage
 from reasoning.domain import domains, load
-from reasoning.setup import reference
+from reasoning.setup_help import reference
 
 Struct = type[msgspec.Struct]
 

@@ -25,7 +25,7 @@ class Key(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a scenario may say under one key. `min` and `max` limit an int's value or a list's length; a key
     without `default` must be given; `item` describes the keys of a table, or of each table in a list."""
 
-    type: Literal["int", "list", "table", "name", "cell", "area", "polygon"]
+    type: Literal["int", "list", "table", "name", "team", "cell", "area", "polygon"]
     help: str = ""
     min: int | None = None
     max: int | None = None
@@ -34,12 +34,13 @@ class Key(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``domain.toml``. `setup` maps a section of the scenario to its keys; the section ``team`` stands once for
-    every team, under ``teams.NAME``. `kinds` and `actions` are what the world must know of bodies and skills;
-    `exchanged` is the kind of robot that teams lend one another; `rules` gives the checker's rules in plain words,
-    `why` the members of a clash (`reasoning.why`). `geometry` names the constants that describe rooms (see
-    `reasoning.geometry`), `costs` those by which plans of the shortest length are compared (`reasoning.costs`), and
-    `solver` holds the planner's options for clingo. A domain without actions can be planned and checked, but not run."""
+    """``domain.toml``. `setup` maps a section of the scenario to its keys; the section ``team`` stands once for every
+    team, under ``teams.NAME``. `kinds` and `actions` are what the world must know of bodies and skills; `exchanged` is
+    the kind of robot that teams lend one another under the published limits, `shared` says for each kind that they lend
+    without them what kind of body it is; `rules` gives the checker's rules in plain words, `why` the members of a clash
+    (`reasoning.why`). `geometry` names the constants that describe rooms (see `reasoning.geometry`), `costs` those by
+    which plans of the shortest length are compared (`reasoning.costs`), and `solver` holds the planner's options for
+    clingo. A domain without actions can be planned and checked, but not run."""
 
     name: str
     story: str
@@ -48,6 +49,7 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     kinds: dict[str, dict[str, Any]]
     actions: dict[str, dict[str, Any]]
     exchanged: str = ""
+    shared: dict[str, str] = {}
     geometry: dict[str, str] = {}
     costs: dict[str, str] = {}
     display: dict[str, Any] = {}

@@ -35,8 +35,8 @@ class Known(NamedTuple):
 @dataclass(frozen=True)
 class Ledger:
     """What is known of one team: answers so far, an admissible bound on its makespan in any role, and whether it
-    can ever finish alone or with borrowed robots. `stock` are the robots that it can give beyond those that it takes,
-    by kind."""
+    can ever finish alone or with borrowed robots. `stock` are the robots that it has, by kind; it can give those, and
+    what it has taken before."""
 
     lower_bound: int = 0
     answers: tuple[Known, ...] = ()
@@ -78,12 +78,15 @@ class Ledger:
     def _out_of_question(self, q: Question) -> bool:
         if q.kind != "share":
             return q.step > q.within or not (self.can_borrow if q.kind == "borrow" else self.can_alone)
-        net = {kind: len(steps(q.gives, kind)) - len(steps(q.takes, kind)) for kind, _ in q.gives}
         return (
-            any(number > self.stock.get(kind, 0) for kind, number in net.items())
+            any(_by(q.gives, kind, step) > self._has(kind, step, q) for kind, step in q.gives)
             or any(step < 0 for _, step in q.gives)
             or not (self.can_borrow if q.takes else self.can_alone)
         )
+
+    def _has(self, kind: str, step: int, q: Question) -> int:
+        """So many robots can be given in this step or earlier: who takes one has it from the next step on."""
+        return self.stock.get(kind, 0) + _by(q.takes, kind, step - 1)
 
 
 def harder(one: Question, other: Question) -> bool:
@@ -93,6 +96,10 @@ def harder(one: Question, other: Question) -> bool:
     if one.kind == "share":
         return _no_later(one.gives, other.gives) and _no_later(other.takes, one.takes)
     return one.step <= other.step if one.kind == "lend" else one.step >= other.step
+
+
+def _by(promises: Promises, kind: str, step: int) -> int:
+    return sum(by <= step for by in steps(promises, kind))
 
 
 def _serves(known: Known, question: Question) -> bool:

@@ -27,17 +27,21 @@ class Waiting(NamedTuple):
 class Market:
     """How robots come from team to team: the steps of transport between all teams or for each pair (giver, taker),
     where a pair without them cannot exchange; the robots on the bench, by built name; and how many robots of each
-    kind a team takes at most."""
+    kind, or of that kind, a team takes at most."""
 
     delay: int | Mapping[tuple[str, str], int]
     bench: Mapping[str, Waiting] = field(default_factory=dict)
-    most: int = 2
+    most: int | Mapping[str, int] = 2
 
     def steps(self, giver: str, taker: str) -> int | None:
         """The steps from giving to taking at the least; None: never."""
         if giver == taker:
             return None
         return self.delay if isinstance(self.delay, int) else self.delay.get((giver, taker))
+
+    def limit(self, kind: str) -> int:
+        """So many robots of a kind does a team take at most."""
+        return self.most if isinstance(self.most, int) else self.most.get(kind, 0)
 
     def ready(self, robot: str, taker: str) -> int | None:
         """The first step in which a team can take a robot from the bench. Nobody takes its own back from there."""
@@ -78,6 +82,7 @@ def choose(
     program = _Facts(teams, market, k, most)
     for name, ledger in sorted(teams.items()):
         program.team(name, ledger, against)
+    program.ports()
     found = models([core_program("share")], program.facts, optimum=True)
     return None if not found else program.read(found[0].atoms)
 
@@ -92,6 +97,7 @@ class _Facts:
         self._names = {name: f"x{number}" for number, name in enumerate(names)}
         self._numbers = {kind: number for number, kind in enumerate(self._kinds)}
         self._questions = 0
+        self._when: dict[tuple[str, str], set[int]] = {}
         for robot, waiting in sorted(market.bench.items()):
             self._add("bench", self._names[robot], self._numbers[waiting.kind])
 
@@ -112,14 +118,10 @@ class _Facts:
         for kind in self._kinds:
             number = self._numbers[kind]
             self._add("stock", team, number, ledger.stock.get(kind, 0))
-            for nth in range(1, market.most + 1 if ledger.can_borrow and k > 0 else 1):
-                self._add("port", team, number, nth)
-            taken = {s - 1 for q in refuted for s in steps(q.takes, kind)} | {
-                s for q in known for s in steps(q.takes, kind)
-            }
-            for step in sorted({k - 1, *taken}):
-                if 0 <= step < k:
-                    self._add("when", team, number, step)
+            taken = {s - 1 for q in refuted for s in steps(q.takes, kind)}
+            taken |= {s for q in known for s in steps(q.takes, kind)}
+            borrows = ledger.can_borrow and market.limit(kind) > 0
+            self._when[name, kind] = {step for step in {k - 1, *taken} if 0 <= step < k} if borrows else set()
             given = {min(s, k) for q in refuted for s in steps(q.gives, kind)}
             given |= {s - 1 for q in known for s in steps(q.gives, kind) if 0 < s <= k}
             for step in sorted({k, *given}):
@@ -129,6 +131,26 @@ class _Facts:
         for verdict, questions in (("no", refuted), ("yes", known)):
             for question in questions:
                 self._question(verdict, team, question)
+
+    def ports(self) -> None:
+        """Who can take robots, and when. Beside the steps that matter by themselves there are those in which a robot
+        must be taken at the latest to be passed on in time."""
+        open_ = list(self._when)
+        while open_:
+            taker, kind = open_.pop()
+            for giver in self._teams:
+                travel, mine = self._market.steps(giver, taker), self._when[giver, kind]
+                before = (
+                    {step - travel - 1 for step in self._when[taker, kind]} if travel is not None and mine else set()
+                )
+                if before := {step for step in before - mine if step >= 0}:
+                    mine |= before
+                    open_.append((giver, kind))
+        for (name, kind), when in self._when.items():
+            for nth in range(1, self._market.limit(kind) + 1 if when else 1):
+                self._add("port", self._names[name], self._numbers[kind], nth)
+            for step in sorted(when):
+                self._add("when", self._names[name], self._numbers[kind], step)
 
     def _question(self, verdict: str, team: str, question: Question) -> None:
         self._questions += 1

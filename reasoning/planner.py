@@ -15,16 +15,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 from reasoning import geometry
+from reasoning.asking import easier, exchanging_one, later, sharing
 from reasoning.domain import load
+from reasoning.prospects import prospects
 from reasoning.reading import facts, plan_in, read
-from reasoning.solver import Assumption, Atom, Program, Solved, models, parse
-from reasoning.values import Answer, Found, Plan, Problem, Question, Step, Value, promised, steps
+from reasoning.solver import Program, Solved, parse
+from reasoning.values import Answer, Found, Plan, Problem, Question, Step, Value, steps
 
 Kind = Literal["alone", "lend", "borrow"]
 Details = Mapping[tuple[int, str], Mapping[str, Value]]
 LONGEST = 400
 """`Planner.shortest` gives up at this makespan."""
-ENDLESS = 1 << 30
 LATER = 500
 """After a yes to borrowing, so many conflicts at a time are spent on a plan that borrows later."""
 
@@ -47,8 +48,11 @@ class Planner:
         clock: Callable[[], float] = lambda: 0.0,
     ) -> None:
         self._problem, self._beat, self._cancelled, self._clock = problem, beat, cancelled, clock
-        self._hopeless, (self._bound, self._bound_text), (self._longest, self._longest_text) = _prospects(problem)
+        found = prospects(problem)
+        self._hopeless, self._bound, self._bound_text = found.hopeless, found.bound, found.why_bound
+        self._longest, self._longest_text = found.longest, found.why_longest
         self._horizon = -1
+        self._numbers = Counter(kind for _, kind in problem.guests)
         domain = load(problem.domain)
         self._program = Program([domain.program("plan")], facts(problem), domain.data.solver, seed=seed)
         geometry.interleave(problem, self._program)
@@ -73,48 +77,37 @@ class Planner:
         used, plan = solved.conflicts, plan_in(solved.model, within) if solved.model is not None else None
         # The later it borrows, the more questions the plan answers, and the solver is on the spot. Robots that nobody
         # asked for stay.
-        tried = _later(question, plan) if plan is not None else []
+        tried = later(question, plan) if plan is not None else []
         while tried:
             left = LATER if conflicts is None else min(LATER, conflicts - used)
             left_s = None if seconds is None else seconds - (self._clock() - begun)
             if left <= 0 or (left_s is not None and left_s <= 0):
                 break
-            later = self._ask(tried.pop(0), left, left_s, exactly=True)
-            used += later.conflicts
-            if later.model is not None:
-                plan = plan_in(later.model, within)
-                tried = _later(question, plan)
+            better = self._ask(tried.pop(0), left, left_s, exactly=True)
+            used += better.conflicts
+            if better.model is not None:
+                plan = plan_in(better.model, within)
+                tried = later(question, plan)
         verdict: Literal["yes", "no", "unknown"] = "unknown"
         if solved.satisfiable is not None:
             verdict = "yes" if solved.satisfiable else "no"
         if verdict == "no" and kind == "alone" and not self._problem.guest and within >= self._longest:
             self._hopeless = f"{self._longest} steps were refuted by the solver; {self._longest_text}"
-        return Answer(question, verdict, plan, used, self._clock() - begun)
+        easiest = easier(question, solved.core, self._numbers) if kind == "share" and verdict == "no" else None
+        return Answer(question, verdict, plan, used, self._clock() - begun, easiest)
 
     def _ask(
         self, question: Question, conflicts: int | None, seconds: float | None, *, exactly: bool = False
     ) -> Solved:
         self._reach(question.within)
-        assumptions = self._shared(question) if question.kind == "share" else _exchanging_one(question)
+        assumptions = sharing(question, self._numbers) if question.kind == "share" else exchanging_one(question)
         if exactly:
-            numbers = {kind: len(steps(question.gives, kind)) for _, kind in self._problem.guests}
+            numbers = {kind: len(steps(question.gives, kind)) for kind in self._numbers}
             assumptions += [("gave", (kind, n + 1, question.within), False) for kind, n in numbers.items()]
         assumptions.append(("done", (question.within,), True))
         return self._program.solve(
             assumptions, conflicts=conflicts, seconds=seconds, beat=self._beat, cancelled=self._cancelled
         )
-
-    def _shared(self, question: Question) -> list[Assumption]:
-        within = question.within
-        assumptions: list[Assumption] = [
-            ("gave", (kind, number, min(step + 1, within)), True)
-            for kind in sorted({kind for kind, _ in question.gives})
-            for number, step in enumerate(steps(question.gives, kind), 1)
-        ]
-        for kind, guests in Counter(kind for _, kind in self._problem.guests).items():
-            until = [*steps(question.takes, kind), within]
-            assumptions += [("took", (kind, n, min(t, within)), False) for n, t in enumerate(until[:guests], 1)]
-        return assumptions
 
     def shortest(
         self,
@@ -163,28 +156,6 @@ class Planner:
             self._horizon = max(self._horizon, horizon)
 
 
-def _exchanging_one(question: Question) -> list[Assumption]:
-    kind, within, step, *_ = question
-    assumptions: list[Assumption] = [("lent", (within,), kind == "lend"), ("borrowed", (within,), kind == "borrow")]
-    if kind == "lend":
-        assumptions.append(("lent", (min(step + 1, within),), True))
-    if kind == "borrow":
-        assumptions.append(("borrowed", (step,), False))
-    return assumptions
-
-
-def _later(question: Question, plan: Plan) -> list[Question]:
-    """Questions that this answer to `question` does not answer, since they take a robot later."""
-    if question.kind == "borrow" and plan.exchange is not None:
-        return [question._replace(step=plan.exchange[1] + 1)]
-    if question.kind != "share":
-        return []
-    takes = promised(plan.took)
-    changed = [(n, (kind, step + 1)) for n, (kind, step) in enumerate(takes) if step + 1 < plan.makespan]
-    later = [question._replace(takes=tuple(sorted((*takes[:n], one, *takes[n + 1 :])))) for n, one in changed]
-    return [question._replace(takes=takes), *later] if len(plan.gave) > len(question.gives) else later
-
-
 def predict(problem: Problem, steps: Sequence[Step], details: Details | None = None) -> tuple[Plan, int]:
     """What `steps` lead to, and how many of them are possible: the plan is cut before the first that is not.
 
@@ -225,22 +196,3 @@ def _is_term(text: str) -> bool:
         return bool(parse(text)[0])
     except ValueError:
         return False
-
-
-def _prospects(problem: Problem) -> tuple[str, tuple[int, str], tuple[int, str]]:
-    """Why there is no hope, or ""; the best admissible bound, and how long a plan is at most, each with its reason."""
-    (model,) = models([load(problem.domain).program("prospects")], facts(problem))
-    reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
-    for atom in model.atoms:
-        match atom:
-            case Atom("hopeless", (text, args)):
-                reasons.append(_worded(str(text), str(args)))
-            case Atom("longest", (int(steps), text, args)):
-                longest.append((steps, _worded(str(text), str(args))))
-            case Atom("bound", (int(steps), text, args)):
-                bounds.append((steps, f"{steps} steps are needed at least: {_worded(str(text), str(args))}"))
-    return "; ".join(reasons), max(bounds), min(longest)
-
-
-def _worded(text: str, args: str) -> str:
-    return text.format(*parse(args)[1])

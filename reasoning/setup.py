@@ -7,7 +7,7 @@ derives the initial states and says what types cannot. Wrong input is a value (`
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,30}")
 _TEAM_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 _WORDS = {
     "table": "a table",
+    "team": "a team's name",
     "name": "a name: a small letter, then letters, digits or _",
     "cell": "a cell [column, row] of two integers",
     "area": "an area [west, east, south, north] of four integers",
@@ -62,16 +63,6 @@ class Setup:
     states: Mapping[str, State]
     entities: tuple[Entity, ...]
     workspaces: Mapping[str, Mapping[str, Value]]
-
-
-class KeyHelp(NamedTuple):
-    """One line of the reference of scenario keys."""
-
-    key: str
-    type: str
-    limits: str
-    default: str
-    help: str
 
 
 KeyPath = tuple[str | int, ...]
@@ -130,24 +121,6 @@ def _path(path: KeyPath) -> str:
 
 def _term(value: Leaf) -> str:
     return f"({','.join(map(_term, value))})" if isinstance(value, tuple) else str(value)
-
-
-def reference(domain: str | Domain) -> list[KeyHelp]:
-    """Every key that a scenario may give, for the generated documentation."""
-    return [
-        line
-        for section, keys in load(domain).data.setup.items()
-        for line in _reference("teams.NAME" if section == TEAM else section, keys)
-    ]
-
-
-def _reference(path: str, keys: Mapping[str, Key]) -> Iterator[KeyHelp]:
-    for name, key in keys.items():
-        here = f"{path}.{name}"
-        low, high = ("" if bound is None else str(bound) for bound in (key.min, key.max))
-        limits = f"{low}..{high}" if low or high else ""
-        yield KeyHelp(here, key.type, limits, "" if key.default is None else str(key.default), key.help)
-        yield from _reference(f"{here}[]" if key.type == "list" else here, key.item)
 
 
 class _Reader:
@@ -215,6 +188,8 @@ def _leaf(key: Key, value: Any) -> Leaf | None:
         return int(value) if _is_int(value) and _within(key, value) else None
     if key.type == "name":
         return str(value) if isinstance(value, str) and _NAME.fullmatch(value) else None
+    if key.type == "team":
+        return f'"{value}"' if isinstance(value, str) and _TEAM_NAME.fullmatch(value) else None
     if key.type == "polygon":
         return tuple(map(tuple, value)) if _is_polygon(value) else None
     return tuple(value) if _is_tuple(value, _NUMBERS.get(key.type, 0)) else None

@@ -93,13 +93,15 @@ def promised(handed: tuple[Handed, ...]) -> Promises:
 
 @dataclass(frozen=True)
 class Answer:
-    """`yes` has a plan; `no` is proved; `unknown` means that the budget ran out or the search was cancelled."""
+    """`yes` has a plan; `no` is proved; `unknown` means that the budget ran out or the search was cancelled. `easiest`
+    is a question no harder than the one that was asked, of which the no is proved, too (None: no other one)."""
 
     question: Question
     verdict: Literal["yes", "no", "unknown"]
     plan: Plan | None = None
     conflicts: int = 0
     seconds: float = 0.0
+    easiest: Question | None = None
 
 
 @dataclass(frozen=True)

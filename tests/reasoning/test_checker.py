@@ -55,6 +55,7 @@ class Spoiled(NamedTuple):
     found_at: tuple[str, int] | None = None
     exchanges: Sequence[Exchange] | None = None
     also: tuple[str, int, str] | None = None  # one more action that is left out
+    fixed: str = ""  # the team's worker whose end effector is
 
 
 TAKE = "takeRobot(w2,1,2)"
@@ -78,6 +79,8 @@ SPOILED = [
     Spoiled("free", "T1", 7, add=("push(c1)",)),
     Spoiled("free", "T1", 7, add=("pull(c1)",)),
     Spoiled("swap_outside", "T1", 7, add=("swapEndEffector(w1,2)",)),
+    Spoiled("swap_fixed", "T1", 14, fixed="w1"),
+    Spoiled("take_kind", "T2", 11, fixed="w3", found_at=("T1", 13), exchanges=EXCHANGES),
     Spoiled("swap_same", "T1", 14, ("swapEndEffector(w1,2)",), ("swapEndEffector(w1,1)",)),
     Spoiled("work_row", "T2", 4, add=("workOn(w2,1)",)),
     Spoiled("work_pit", "T1", 14, add=("workOn(w1,1)",)),
@@ -132,7 +135,10 @@ def test_a_copy_spoiled_in_one_rule_is_refused_for_that_rule(spoiled: Spoiled) -
     if spoiled.also is not None:
         team, at, action = spoiled.also
         plan[team][at] = tuple(a for a in plan[team][at] if a != action)
-    found = verdict(plan, exchanges=spoiled.exchanges)
+    fixed = {spoiled.team: {f"fixed({spoiled.fixed})": 1}} if spoiled.fixed else {}
+    states = {name: {**state, **fixed.get(name, {})} for name, state in SETUP.states.items()}
+    details = DETAILS if spoiled.rule == "take_kind" else None
+    found = check(DOMAIN, SETUP.static, states, plan, breaks=BREAKS, exchanges=spoiled.exchanges, details=details)
     team, at = spoiled.found_at or (spoiled.team, spoiled.step)
     assert spoiled.rule in {v.rule for v in found if (v.team, v.step) == (team, at)}
     assert all(v.text for v in found)

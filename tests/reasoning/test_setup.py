@@ -12,18 +12,30 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reasoning.domain import domains, load, read
-from reasoning.setup import Refused, Setup, compile_setup, reference, sections
+from reasoning.setup import Refused, Setup, compile_setup, sections
+from reasoning.setup_help import reference
 
 DOMAIN = "factory"
-TEAM = {
+TEAM: dict[str, Any] = {
     "boxes": 2,
     "workers": [{"name": "w1", "at": [1, 3], "effector": 1}, {"name": "w2", "at": [2, 3], "effector": 3}],
     "carrier": {"name": "c1", "at": [1, 1]},
 }
 
 
+WORKER: dict[str, Any] = {"name": "w1", "at": [1, 3], "effector": 1}
+
+
 def tables(**changed: Any) -> dict[str, Any]:
     return {"teams": {"T1": {**copy.deepcopy(TEAM), **changed}}}
+
+
+PAIR = {"from": "T1", "to": "T2", "steps": 3}
+
+
+def general(*delays: dict[str, Any], sharing: str = "general") -> dict[str, Any]:
+    exchange = {"sharing": sharing, "delays": list(delays or [PAIR])}
+    return {"teams": {"T1": TEAM, "T2": TEAM}, "exchange": exchange}
 
 
 def compiled(given: dict[str, Any]) -> Setup:
@@ -48,6 +60,16 @@ def test_a_set_up_says_all_that_the_world_must_know() -> None:
     }  # fmt: skip
 
 
+def test_general_sharing_and_its_delays_are_constants_and_fixed_workers_are_bodies_of_their_own() -> None:
+    setup = compiled(general(PAIR))
+    assert setup.static.items() >= {"delay": 2, 'delay("T1","T2")': 3, "sharing": "general", "most": 2}.items()
+    fixed = compiled(
+        {"teams": {"T1": {"boxes": 0, "workers": [{**WORKER, "fixed": 1}, {**WORKER, "name": "w2", "at": [1, 1]}]}}}
+    )
+    assert [(e.name, e.kind) for e in fixed.entities] == [("w2", "worker"), ("w1", "specialist")]
+    assert {fluent for fluent in fixed.states["T1"] if fluent.startswith("fixed")} == {"fixed(w1)"}
+
+
 def test_teams_keep_the_scenarios_order_and_many_boxes_theirs() -> None:
     setup = compiled({"teams": {"Zoe": {**TEAM, "boxes": 11}, "Ann": TEAM}})
     assert list(setup.states) == ["Zoe", "Ann"]
@@ -63,7 +85,7 @@ def test_every_shipped_scenario_compiles(name: str) -> None:
         assert isinstance(result, Setup), (file, result)
 
 
-W1, W2 = TEAM["workers"]  # type: ignore[misc]
+W1, W2 = TEAM["workers"]
 WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({}, "teams", "at least one table [teams.NAME]"),
     ({"teams": {}}, "teams", "at least one table [teams.NAME]"),
@@ -77,7 +99,14 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (tables(boxes=-1), "teams.T1.boxes", "an integer, 0 to 40"),
     (tables(bowls=1), "teams.T1.bowls", "one of the keys boxes, workers, carrier"),
     ({"teams": {"T1": {"carrier": TEAM["carrier"]}}}, "teams.T1.boxes", "an integer, 0 to 40"),
-    ({"teams": {"T1": {"boxes": 1}}}, "teams.T1.carrier", "a table"),
+    (tables(carrier=1), "teams.T1.carrier", "a table"),
+    ({**tables(), "exchange": {"sharing": "all"}}, "exchange.sharing", "published or general"),
+    (general(sharing="published"), "exchange.delays", "none, unless sharing is general"),
+    (general({"from": "T1", "to": "T3", "steps": 3}), "exchange.delays[0].to", "a team of this scenario"),
+    (general({"from": "T2", "to": "T2", "steps": 3}), "exchange.delays[0].to", "another team than from"),
+    (general(PAIR, {**PAIR, "steps": 4}), "exchange.delays[1]", "a pair of teams that has no other entry"),
+    (general({**PAIR, "steps": 0}), "exchange.delays[0].steps", "an integer, 1 to 20"),
+    (general({**PAIR, "to": "2"}), "exchange.delays[0].to", "a team's name"),
     (tables(workers={"name": "w1"}), "teams.T1.workers", "a list of tables"),
     (tables(workers=[W1, 5]), "teams.T1.workers[1]", "a table"),
     (tables(workers=[{**W1, "at": [1]}]), "teams.T1.workers[0].at", "a cell [column, row] of two integers"),

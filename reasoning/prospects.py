@@ -1,0 +1,48 @@
+"""What can be said of a team before any search (``prospects.lp``): hope, bounds, and the robots that it has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from reasoning.domain import load
+from reasoning.reading import facts
+from reasoning.solver import Atom, models, parse
+from reasoning.values import Problem
+
+ENDLESS = 1 << 30
+
+
+class Prospects(NamedTuple):
+    """`hopeless` says why the goal can never be reached, even with guests ("": nothing speaks against it). No plan has
+    fewer than `bound` steps in any role, none needs more than `longest`, each for a reason. `stock` are the team's own
+    robots that can be lent without the published limits, by kind."""
+
+    hopeless: str
+    bound: int
+    why_bound: str
+    longest: int
+    why_longest: str
+    stock: Mapping[str, int]
+
+
+def prospects(problem: Problem) -> Prospects:
+    """Derived, not searched for."""
+    (model,) = models([load(problem.domain).program("prospects")], facts(problem))
+    reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
+    stock: dict[str, int] = {}
+    for atom in model.atoms:
+        match atom:
+            case Atom("hopeless", (text, args)):
+                reasons.append(_worded(str(text), str(args)))
+            case Atom("longest", (int(steps), text, args)):
+                longest.append((steps, _worded(str(text), str(args))))
+            case Atom("bound", (int(steps), text, args)):
+                bounds.append((steps, f"{steps} steps are needed at least: {_worded(str(text), str(args))}"))
+            case Atom("stock", (kind, int(number))):
+                stock[str(kind)] = number
+    return Prospects("; ".join(reasons), *max(bounds), *min(longest), stock)
+
+
+def _worded(text: str, args: str) -> str:
+    return text.format(*parse(args)[1])
