@@ -63,11 +63,9 @@ def _connectivity(rng: random.Random, drawn: list[Layout]) -> dict[str, Any]:
         higher = (Layout(SIDE_M, SIDE_M + k / 1000, layout.polygons, layout.discs) for k in range(1, REPEATED + 1))
         note("new_room_ms", lambda r=higher: next(r), lambda r, p=p, q=q: Connectivity(r, RADIUS_M).path_exists(p, q))
         for _ in range(ARRANGEMENTS):
-            discs, q = _things(rng), _point(rng)
-            p = _free(rng, known.with_discs(discs))
-            note(
-                "things_moved_ms", lambda: None, lambda _, k=known, d=discs, p=p, q=q: k.with_discs(d).path_exists(p, q)
-            )
+            d, q = _things(rng), _point(rng)
+            p = _free(rng, known.with_discs(d))
+            note("things_moved_ms", lambda: None, lambda _, k=known, d=d, p=p, q=q: k.with_discs(d).path_exists(p, q))
         fresh = [Connectivity(layout, RADIUS_M) for _ in range(REPEATED)]
         p = _free(rng, known)
         for one in fresh:

@@ -8,6 +8,7 @@ import signal
 import sys
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from shapely.geometry import LineString, Point
@@ -105,6 +106,18 @@ def test_a_killed_worker_is_replaced_and_the_answers_are_the_same(planner: Paylo
         os.kill(other.pid, signal.SIGKILL)
         assert other.path(door(0.9), TABLE, START, GOAL) == whole
         assert other.deaths == 1
+
+
+def test_a_query_that_costs_every_worker_its_life_is_undecided(
+    planner: PayloadPlanner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mayfly = tmp_path / "mayfly"
+    mayfly.write_text("#!/bin/sh\necho ready\nread query\n")
+    mayfly.chmod(0o700)
+    monkeypatch.setattr(sys, "executable", str(mayfly))
+    assert planner.path(door(0.9), TABLE, START, GOAL) == Answer("undecided")
+    assert planner.deaths == 3
+    assert planner.verdicts == {"undecided": 1}
 
 
 def test_a_forgotten_planner_ends_its_worker() -> None:
