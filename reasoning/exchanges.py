@@ -51,6 +51,9 @@ def advance(
 
 
 def _judge(teams: Mapping[str, Ledger], market: Market, k: int, most: int | None) -> Horizon:
+    helped = {} if most else {name: _helped(name, teams, market, k) for name in sorted(teams)}
+    if open_ := {name: best for name, best in helped.items() if teams[name].verdict(best) is None}:
+        return Horizon(questions=open_)
     takes = choose(teams, market, k, most=most, against=("no", "unknown"))
     if takes is None:
         return Horizon(reason=_reason(teams, k), sure=choose(teams, market, k) is None)
@@ -63,6 +66,15 @@ def _judge(teams: Mapping[str, Ledger], market: Market, k: int, most: int | None
     if open_:
         return Horizon(questions=_questions(teams, market, late, open_))
     return Horizon(shared=_shared(teams, market, k, late))
+
+
+def _helped(name: str, teams: Mapping[str, Ledger], market: Market, k: int) -> Question:
+    """Could the team do with all the help that there may ever be? If not, no exchange makes the horizon feasible."""
+    kinds = sorted({kind for ledger in teams.values() for kind in ledger.stock})
+    givers = [other for other in teams if other != name]
+    takes = [(kind, market.first(name, kind, givers)) for kind in kinds for _ in range(market.limit(kind))]
+    allowed = tuple(take for take in takes if take[1] < k) if teams[name].can_borrow else ()
+    return Question("share", k, 0, (), allowed)
 
 
 def _reason(teams: Mapping[str, Ledger], k: int) -> str:
