@@ -132,6 +132,7 @@ def lessons(known: Room) -> Lessons:
         disc=lambda key: known.thing(cell(key[-1])),
         payload=PayloadPlanner(oracle),
         carried_m=known.thing_m,
+        furniture_known=known.level in STATIC_LEVELS,
     )
     return Lessons(judge, LIMITS_M)
 
@@ -206,7 +207,7 @@ def _touching(known: Room, c: Cell) -> str:
         alone = Layout(known.layout.width_m, known.layout.height_m, (corners,))
         if any(nearest(middle(c), part)[0] < known.robot_m + oracle.margin_m for part in alone.solids[4:]):
             names.append(name)
-    return _listed(names)
+    return names[0] if len(names) == 1 else _listed(names)
 
 
 def _listed(names: list[str]) -> str:
