@@ -20,7 +20,8 @@ class RoomJudge:
 
     `point` tells where a place is, `radius_m` how large a body is, `disc` what a key stands for. An obstacle in the
     middle of a place where a motion begins or ends is in nobody's way. Pairs need a `payload` planner, and are held to
-    carry something of half-width `carried_m`.
+    carry something of half-width `carried_m`. With `furniture_known`, what holds of single bodies without any obstacle
+    is not told: the program that asks knows it already.
     """
 
     def __init__(
@@ -33,10 +34,12 @@ class RoomJudge:
         disc: Callable[[Key], Disc],
         payload: PayloadPlanner | None = None,
         carried_m: float = 0.1,
+        furniture_known: bool = False,
     ) -> None:
         self._oracle, self._layout = oracle, layout.bare
         self._point, self._radius_m, self._disc = point, radius_m, disc
         self._payload, self._carried_m = payload, carried_m
+        self._furniture_known = furniture_known
 
     def kind(self, body: Term) -> float:
         """Bodies of one radius are alike."""
@@ -47,10 +50,12 @@ class RoomJudge:
         ends = {self._point(place) for place in (*motion.starts, *motion.goals)}
         discs = {key: self._disc(key) for key in sorted(obstacles, key=str)}
         near = {key: disc for key, disc in discs.items() if disc[:2] not in ends}
-        found = self._pair(motion, near) if len(motion.kinds) == 2 else self._single(motion, near, limits)
+        if len(motion.kinds) == 2:
+            # What ompl did not find one way it may find the other way: only what is asked is told.
+            return self._pair(motion, near)
+        found = [n for n in self._single(motion, near, limits) if n.obstacles or not self._furniture_known]
         back = Motion(motion.kinds, motion.goals, motion.starts)
-        # What ompl did not find one way it may find the other way: of pairs, only what is asked is told.
-        return found + [lesson._replace(motion=back) for lesson in found if len(motion.kinds) == 1]
+        return found + [lesson._replace(motion=back) for lesson in found]
 
     def _single(self, motion: Motion, near: dict[Key, Disc], limits: tuple[int, ...]) -> list[Lesson]:
         radius_m, start, goal = self._told(motion)

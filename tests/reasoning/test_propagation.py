@@ -72,9 +72,15 @@ def disc(key: Key) -> Disc:
 class Counting(RoomJudge):
     """Notes what it is asked."""
 
-    def __init__(self, payload: PayloadPlanner | None = None) -> None:
+    def __init__(self, payload: PayloadPlanner | None = None, *, furniture_known: bool = False) -> None:
         super().__init__(
-            Oracle(), ROOM, point=point, radius_m=lambda _: RADIUS_M, disc=disc, payload=payload, carried_m=0.1
+            Oracle(),
+            ROOM,
+            point=point,
+            radius_m=lambda _: RADIUS_M,
+            disc=disc,
+            payload=payload,
+            furniture_known=furniture_known,
         )
         self.questions: list[tuple[Motion, frozenset[Key]]] = []
 
@@ -127,6 +133,18 @@ def test_the_plans_are_those_of_exhaustive_precomputation(tmp_path: Path, facts:
     loaded.register(MotionPropagator(NAMES, Lessons(judge)))
     assert plans(grown(loaded, steps)) == expected
     assert len(judge.questions) == len(set(judge.questions)) > 0
+
+
+def test_what_the_program_knows_of_furniture_need_not_be_told(tmp_path: Path) -> None:
+    facts, steps = SITUATIONS[2]
+    known = beforehand()
+    expected = plans(grown(program(tmp_path, BEFOREHAND, [*facts, *known]), steps))
+    of_furniture = [fact for fact in known if len(parse(fact[:-1])[1]) == 2]
+    loaded = program(tmp_path, BEFOREHAND, [*facts, *of_furniture])
+    lessons = Lessons(Counting(furniture_known=True))
+    loaded.register(MotionPropagator(NAMES, lessons))
+    assert plans(grown(loaded, steps)) == expected
+    assert all(lesson.obstacles for lesson in lessons.learned)
 
 
 def test_lessons_are_short() -> None:
