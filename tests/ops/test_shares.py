@@ -1,0 +1,95 @@
+"""General sharing, as ``muster plan`` does it: the optimum of one plain program that knows all teams, and never worse
+than the published scheme."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ops import shares
+from ops.compile import compile_scenario, start
+from ops.planning import solve
+from ops.scenario import Scenario, parse
+from ops.tables import InputError
+from reasoning.domain import load
+from reasoning.solver import Program
+
+DOMAIN = "factory"
+MONOLITH = [load(DOMAIN).folder / f"monolith_{part}.lp" for part in ("state", "rules")]
+W1 = {"name": "w1", "at": [1, 1], "effector": 1}
+TOP = {"name": "w1", "at": [1, 2], "effector": 1}
+C1 = {"name": "c1", "at": [1, 1]}
+PATIENT = 30
+
+
+def team(boxes: int, *workers: dict[str, Any], carrier: dict[str, Any] | None = C1) -> dict[str, Any]:
+    given = [{**worker, "name": f"w{n}"} for n, worker in enumerate(workers, 1)]
+    return {"boxes": boxes, "workers": given, **({"carrier": carrier} if carrier else {})}
+
+
+def scenario(*teams: dict[str, Any], width: int = 2, sharing: str = "general", **exchange: Any) -> Scenario:
+    table = {
+        "story": "A test.",
+        "domain": DOMAIN,
+        "floor": {"width": width, "height": 2},
+        "exchange": {"delay": 1, "sharing": sharing, **exchange},
+        "teams": {f"T{n}": given for n, given in enumerate(teams, 1)},
+    }
+    return parse(table, Path("test.toml"))
+
+
+def joint(given: Scenario) -> int | None:
+    """The least makespan by one program for all teams; None: more than `PATIENT`."""
+    setup = start(given)
+    facts = [f"static({key},{value})." for key, value in setup.static.items()]
+    for name, problem in shares.problems(load(DOMAIN), setup).items():
+        small = name.lower()
+        facts += [f'name({small},"{name}").', *(f"init({small},{f},{v})." for f, v in problem.state.items())]
+        facts += [f"guest({small},{guest},{kind})." for guest, kind in problem.guests]
+        facts += [f"guest({small},{guest})." for guest, kind in problem.guests if kind != "carrier"]
+    program = Program([*MONOLITH, Path(__file__).with_name("joint_share.lp")], facts)
+    for within in range(PATIENT + 1):
+        program.ground(("step", (within,)) if within else ("base", ()))
+        if program.solve([("last", (t,), t == within) for t in range(within + 1)]).satisfiable:
+            return within
+    return None
+
+
+HELPER = team(0, W1)
+FIXED = {**W1, "effector": 3, "fixed": 1}
+SHARED = {
+    "two workers of two teams": scenario(team(1, TOP), HELPER, HELPER),
+    "a carrier is lent": scenario(team(1, W1, carrier=None), team(0)),
+    "a fixed stamper helps": scenario(team(1, TOP), team(0, FIXED)),
+    "delays differ by pair": scenario(
+        team(1, TOP),
+        HELPER,
+        HELPER,
+        delays=[{"from": "T2", "to": "T1", "steps": 4}, {"from": "T3", "to": "T1", "steps": 2}],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_the_optimum_is_that_of_one_program_for_all_teams(name: str) -> None:
+    found = solve(SHARED[name], lambda _: None)
+    assert (found.status, found.makespan) == ("optimal", joint(SHARED[name]))
+
+
+def test_the_published_scheme_is_never_better() -> None:
+    helped = team(1, TOP), HELPER, HELPER
+    found = {sharing: solve(scenario(*helped, sharing=sharing), lambda _: None) for sharing in ("published", "general")}
+    assert {plan.status for plan in found.values()} == {"optimal"}
+    assert found["general"].makespan <= found["published"].makespan
+
+
+def test_carriers_are_lent_too() -> None:
+    lent = solve(SHARED["a carrier is lent"], lambda _: None)
+    assert [(x["worker"], x["from"], x["to"], x["as"]) for x in lent.exchanges] == [("c1", "T2", "T1", "c1")]
+
+
+def test_a_scenario_with_general_sharing_is_not_run() -> None:
+    with pytest.raises(InputError, match="sharing: expected published: general sharing can be planned"):
+        compile_scenario(SHARED["a carrier is lent"])
