@@ -58,7 +58,7 @@ class _Patience:
     def __init__(self, began: float, search_s: float, stop: Callable[[], bool]) -> None:
         self._stop, self._search_s = stop, search_s
         # A little early: a search that goes on looks up a few times a second only, and later still on a busy machine.
-        self._end = began + 0.99 * search_s if search_s else math.inf
+        self._end = began + 0.95 * search_s if search_s else math.inf
 
     @property
     def limited(self) -> bool:

@@ -99,7 +99,12 @@ class Planner:
     def _ask(
         self, question: Question, conflicts: int | None, seconds: float | None, *, exactly: bool = False
     ) -> Solved:
+        begun = self._clock()
         self._reach(question.within)
+        if seconds is not None:
+            seconds -= self._clock() - begun
+            if seconds <= 0:  # a search takes a while to begin, and only then can it be stopped
+                return Solved(None, None, 0)
         assumptions = sharing(question, self._numbers) if question.kind == "share" else exchanging_one(question)
         if exactly:
             numbers = {kind: len(steps(question.gives, kind)) for kind in self._numbers}
@@ -149,6 +154,7 @@ class Planner:
         return found("unknown", None, f"{proof}; then the search ended")
 
     def _reach(self, horizon: int) -> None:
+        # All parts in one call: step by step it takes twice as long.
         parts: list[tuple[str, Sequence[int]]] = [("base", ())] if self._horizon < 0 else []
         parts += [("step", (t,)) for t in range(max(self._horizon, 0) + 1, horizon + 1)]
         if parts:
