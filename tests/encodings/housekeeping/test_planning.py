@@ -1,0 +1,201 @@
+"""Shortest plans: the published ones, those of the plain encoding, costs, conditions, and why there is none."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+
+from ops.planning import solve
+from ops.scenario import load
+from reasoning import reference
+from reasoning.checker import check
+from reasoning.costs import cheapest
+from reasoning.planner import Planner
+from reasoning.values import Found, Plan, Problem
+from tests.encodings.housekeeping.rooms import DOMAIN, NIGHTSTAND, SHELF, problem, robot, thing
+
+LONG = {"name": "rug", "kind": "cushion", "at": [0, 0], "end": [0, 1]}
+
+
+def shortest(start: Problem) -> Found:
+    """The shortest plan, which the checker accepts."""
+    found = Planner(start).shortest(conflicts=200_000)
+    if found.plan is not None:
+        told = {"T1": found.plan.details}
+        assert check(DOMAIN, start.static, {"T1": start.state}, {"T1": found.plan.steps}, details=told) == []
+    return found
+
+
+def plan_of(start: Problem) -> Plan:
+    found = shortest(start)
+    assert found.plan is not None, found.proof
+    return found.plan
+
+
+# ---------------------------------------------------------------- what is published
+PUBLISHED = [("kitchen", 16), ("two_robots", 8), ("living_room", 8)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "steps"), PUBLISHED)
+def test_the_published_lengths(name: str, steps: int) -> None:
+    scenario = load(f"housekeeping/{name}")
+    plan = solve(scenario, lambda _: None)
+    assert (plan.status, plan.makespan, plan.refused) == ("optimal", steps, ())
+    if name == "two_robots":
+        assert "elapsed 14 is least: 13 is refuted for 8 steps" in plan.proof
+
+
+def test_a_gap_that_is_too_narrow_is_why_there_is_no_plan() -> None:
+    plan = solve(load("housekeeping/bedroom"), lambda _: None)
+    assert plan.status == "infeasible"
+    assert "there is no way between bed and nightstand" in plan.proof
+    blind = solve(load("housekeeping/bedroom", ["house.geometry=none"]), lambda _: None)
+    assert (blind.status, blind.makespan) == ("refused", 4)
+    first = blind.refused[0]
+    assert (first.rule, first.step) == ("no_way", 0)
+    assert "bed and nightstand" in first.text
+
+
+def test_a_shortest_plan_that_knows_no_durations_misses_the_deadline() -> None:
+    """This order and these places make a plan that is as short, and takes 26 units."""
+    scenario = load("housekeeping/kitchen")
+    found = setup_of(scenario.setup)
+    steps = [
+        (action,)
+        for place, goal in (("5,5", "2,3"), ("7,6", "2,2"), ("7,5", "1,3"), ("1,5", "0,2"))
+        for action in (f"goto(r2,{place})", "attach(r2)", f"goto(r2,{goal})", "detach(r2)")
+    ]
+    late = check(DOMAIN, found.static, {"T1": found.state}, {"T1": steps})
+    assert [(v.rule, v.text) for v in late] == [
+        ("deadline", "26 units of time have passed at the end; the deadline is at 25")
+    ]
+
+
+def setup_of(tables: dict[str, Any]) -> Problem:
+    from reasoning.setup import Refused, compile_setup
+
+    found = compile_setup(DOMAIN, tables)
+    assert not isinstance(found, Refused)
+    (state,) = found.states.values()
+    return Problem(DOMAIN, found.static, state)
+
+
+# ---------------------------------------------------------------- the plain encoding has the same optima
+def drawn(seed: int) -> Problem:
+    """A small room, with anything in it."""
+    draw = random.Random(seed)
+    cells = [(x, y) for x in range(4) for y in range(3)]
+    robots = [
+        robot(f"r{n}", *c, short_arm=int(draw.random() < 0.2), light_weight=int(draw.random() < 0.2))
+        for n, c in enumerate(draw.sample(cells, draw.choice([1, 2, 2])))
+    ]
+    places = draw.sample(cells, 3)
+    things = [
+        thing(f"t{n}", *c, draw.choice(["cushion", "plate", "vase"]), raised=draw.randint(0, 1))
+        for n, c in enumerate(places[: draw.randint(1, 2)])
+    ]
+    heavy = []
+    if len(robots) == 2 and draw.random() < 0.5 and (0, 0) not in places and (1, 0) not in places:
+        heavy = [{"name": "rug", "kind": "cushion", "at": [0, 0], "end": [1, 0]}]
+        things = things[:1]
+    exchange = [{"to": "kitchen", "area": [0, 1, 2, 2]}]
+    level = draw.choice(["none", "static"])
+    return problem(robots, things, heavy=heavy, exchange=exchange, deadline=draw.choice([0, 0, 6, 12]), level=level)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(24))
+def test_the_plain_encoding_finds_the_same_lengths(seed: int) -> None:
+    start = drawn(seed)
+    ours = shortest(start)
+    plain = reference.shortest(start, longest=ours.plan.makespan if ours.plan else 8)
+    assert (ours.plan is None) == (plain.plan is None)
+    if ours.plan is not None and plain.plan is not None:
+        assert ours.plan.makespan == plain.plan.makespan
+        assert check(DOMAIN, start.static, {"T1": start.state}, {"T1": plain.plan.steps}) == []
+
+
+# ---------------------------------------------------------------- teams of two, costs and conditions
+def test_two_robots_carry_what_is_heavy_together() -> None:
+    plan = plan_of(problem([robot("r1", 1, 2), robot("r2", 2, 2)], heavy=[LONG], level="both"))
+    assert plan.makespan == 4
+    assert len(plan.steps[2]) == 2
+    ends = {plan.states[-1]["at(rug)"], plan.states[-1]["end(rug)"]}
+    assert ends == {"(3,0)", "(3,1)"}
+
+
+@pytest.mark.parametrize(
+    ("start", "why"),
+    [
+        (problem([robot("r1", 1, 2)], heavy=[LONG]), "rug needs two robots"),
+        (problem([robot("r1", 0, 0, short_arm=1)], [thing("a", 1, 1)]), "a lies on the floor, and all arms are short"),
+        (problem([], [thing("a", 1, 1)]), "a is to be moved, and nobody is built for it"),
+        (problem([robot("r1", 1, 2, short_arm=1), robot("r2", 2, 2)], heavy=[LONG]),
+         "rug lies on the floor, and needs two robots whose arms are not short"),
+        (problem([robot("r1", 0, 0)], [thing("a", 1, 1), thing("b", 1, 2)], deposit=(3, 3, 0, 0)),
+         "there are 1 places where 2 ends of things are to be"),
+        (problem([robot("r1", 0, 0)], [thing("a", 1, 1, "plate")]), "a belongs in a room that no exchange area"),
+        (problem([robot("r1", 0, 0)], [thing("a", 1, 1)], deadline=3), "1 robots 4 units at least"),
+        (problem([robot("r1", 0, 0)], [thing("a", 1, 0)], furniture=[NIGHTSTAND], level="both"),
+         "no robot can stand at a, at (1,0): it would touch nightstand"),
+        (problem([robot("r1", 0, 1)], [thing("a", 2, 1)], furniture=[NIGHTSTAND, SHELF], level="static"),
+         "r1 cannot get to a, at (2,1): there is no way between nightstand and shelf"),
+        (problem([robot("r1", 0, 1)], [thing("a", 0, 2)], furniture=[NIGHTSTAND, SHELF], level="interleaved"),
+         "a, at (0,2), cannot be brought to any place where it is to be: there is no way between"),
+    ],
+)  # fmt: skip
+def test_what_is_out_of_reach_is_said_before_any_search(start: Problem, why: str) -> None:
+    planner = Planner(start)
+    assert why in planner.hopeless()
+    assert planner.shortest().status == "infeasible"
+
+
+def test_a_deadline_that_no_search_can_keep_ends_the_search() -> None:
+    far = problem(
+        [robot("r1", 0, 0)], [thing("a", 0, 2), thing("b", 1, 2)], deadline=9, size=(9, 3), deposit=(8, 8, 0, 1)
+    )
+    found = Planner(far).shortest()
+    assert found.status == "infeasible"
+    assert "deadline" in found.proof
+
+
+def test_costs_are_lowered_until_the_next_lower_one_is_refuted() -> None:
+    start = problem([robot("r1", 0, 0)], [thing("a", 3, 2)], size=(9, 3), deposit=(0, 8, 0, 1))
+    least = Problem(DOMAIN, {**start.static, "least(living_room)": "elapsed"}, start.state)
+    plan, proof = cheapest(least, plan_of(start), 4)
+    assert plan.states[-1]["elapsed"] == 5
+    assert proof == "elapsed 5 is least: 4 is refuted for 4 steps"
+    few = Problem(DOMAIN, {**start.static, "least(living_room)": "attaches"}, start.state)
+    assert cheapest(few, plan_of(start), 6)[1] == "attaches 1 is least: 0 is refuted for 6 steps"
+    assert cheapest(start, plan_of(start), 4) == (plan_of(start), "")
+
+
+def test_conditions_are_data() -> None:
+    robots, things = [robot("r1", 0, 0)], [thing("a", 1, 1), thing("b", 0, 1)]
+    for early, late in (("a", "b"), ("b", "a")):
+        plan = plan_of(problem(robots, things, late=[{"thing": late, "steps": 3}]))
+        assert plan.makespan == 8
+        handled = [state[f"at({early})"] for state in plan.states]
+        assert handled[4] == handled[-1]
+    never = [{"robot": "r1", "from": [0, 0], "to": [1, 1]}, {"robot": "r1", "from": [0, 0], "to": [0, 1]}]
+    assert plan_of(problem(robots, things, never=never)).makespan == 9
+
+
+def test_what_is_in_the_way_is_moved_first_when_geometry_takes_part_in_the_search() -> None:
+    """Three broad things in a row part the room: with them where they are, the fourth cannot be reached."""
+    robots = [robot("r1", 0, 1)]
+    row = [thing("a", 1, 0), thing("b", 1, 1), thing("c", 1, 2)]
+    far = [*row, thing("d", 2, 1)]
+    wide = {"deposit": (3, 4, 0, 1), "size": (5, 3)}
+
+    def broad(level: str) -> Problem:
+        start = problem(robots, far, level=level, **wide)
+        return Problem(DOMAIN, {**start.static, "radius(thing)": 40}, start.state)
+
+    for level in ("interleaved", "both"):
+        plan = plan_of(broad(level))  # the checker, with its own geometry, agrees
+        assert plan.makespan == 16
+        assert plan.steps[0] != ("goto(r1,2,1)",)
