@@ -59,7 +59,7 @@ def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compi
     if not domain.can_run:
         raise InputError(
             f"{scenario.path}: scenarios of the domain {domain.name} cannot be run yet: the world does not know its "
-            "skills. There are muster plan, why and check for them"
+            "skills. There are muster plan and muster check for them"
         )
     scene = _scene(scenario, domain, setup)
     _check_faults(scenario, scene)
