@@ -43,9 +43,10 @@ def run(chosen: Options | None = None) -> dict[str, Any]:
 
 
 def _drawn(size: int, chosen: Options) -> dict[str, Any]:
-    """Medians over as many draws as runs are wanted."""
-    draws = [("drawn", {"seed": seed, "count": size}) for seed in range(chosen.runs)]
-    rows = measured(MODULE, draws, chosen._replace(runs=1))
+    """Medians over as many draws as runs are wanted, but no further draw once they have taken `chosen.limit_s`."""
+    rows: list[dict[str, Any]] = []
+    while len(rows) < chosen.runs and sum(row["wall_s"] for row in rows) < chosen.limit_s:
+        rows += measured(MODULE, [("drawn", {"seed": len(rows), "count": size})], chosen._replace(runs=1))
     figures = {name: median(row[name] for row in rows) for name in NUMBERS}
     spread = [row["cpu_s"] for row in rows]
     proved = sum(row["status"] == "optimal" for row in rows)
@@ -117,7 +118,7 @@ def main() -> None:
         seconds = (
             f"{row['first_s']:10.2f} s{row['wall_s']:9.2f} s{row['cpu_s']:10.2f} s {f'({low:.2f} - {high:.2f})':15}"
         )
-        print(f"{name:15}{counts}{seconds}{row['memory_mb']:5.0f} MB")
+        print(f"{name:15}{counts}{seconds}{row['memory_mb']:5.0f} MB{row['runs']:5} runs")
     if (row := result.get("one_program")) is not None:
         words = f"{row['bound']} steps" if row["status"] == "optimal" else f"not finished in {result['limit_s']:.0f} s"
         print(
