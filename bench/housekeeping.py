@@ -148,7 +148,7 @@ def main() -> None:
         return
     result = run()
     sections = list(result["total_s"])
-    print("planning, replans included: seconds / questions about motion / replans")
+    print("planning, replans included: seconds / questions about motion / replans; refused: the checker has objections")
     print("robots things steps" + "".join(f"{section:>22}" for section in sections))
     for row in result["problems"]:
         print("{:6}{:7}{:6}".format(*row["size"]) + "".join(f"{_words(row[section]):>22}" for section in sections))
@@ -159,7 +159,8 @@ def _words(figures: dict[str, Any]) -> str:
     seconds = f"{figures['planning_s']:.1f}" if figures["status"] == "optimal" else f">{figures['planning_s']:.0f}"
     if "replans" not in figures:
         return f"{seconds} s"
-    return f"{seconds} s /{figures['queries']:5} /{figures['replans']:3}"
+    refused = "" if figures["checked"] else " refused"
+    return f"{seconds} s /{figures['queries']:5} /{figures['replans']:3}{refused}"
 
 
 if __name__ == "__main__":
