@@ -51,7 +51,7 @@ class Planner:
         found = prospects(problem)
         self._hopeless, self._bound, self._bound_text = found.hopeless, found.bound, found.why_bound
         self._longest, self._longest_text = found.longest, found.why_longest
-        self._horizon = -1
+        self._horizon, self._stock = -1, found.stock
         self._numbers = Counter(kind for _, kind in problem.guests)
         domain = load(problem.domain)
         self._program = Program([domain.program("plan")], facts(problem), domain.data.solver, seed=seed)
@@ -107,7 +107,7 @@ class Planner:
                 return Solved(None, None, 0)
         assumptions = sharing(question, self._numbers) if question.kind == "share" else exchanging_one(question)
         if exactly:
-            numbers = {kind: len(steps(question.gives, kind)) for kind in self._numbers}
+            numbers = {kind: len(steps(question.gives, kind)) for kind in sorted({*self._numbers, *self._stock})}
             assumptions += [("gave", (kind, n + 1, question.within), False) for kind, n in numbers.items()]
         assumptions.append(("done", (question.within,), True))
         return self._program.solve(

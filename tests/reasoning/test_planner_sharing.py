@@ -72,29 +72,18 @@ def hold(answer: Answer) -> None:
     assert len(plan.took) == sum("take" in action for _, action in acts)
 
 
-def agree(seed: int) -> int:
+@pytest.mark.parametrize("seed", [*range(12), 101])
+def test_answers_are_those_of_the_plain_planner(seed: int) -> None:
     problem, questions = some(seed)
-    planner, yes = Planner(problem), 0
+    planner = Planner(problem)
     for asked in questions:
         answer = planner.answer(asked)
         assert answer.verdict == ("yes" if plain(problem, asked) else "no"), (problem, asked)
         if answer.verdict == "yes":
             hold(answer)
-            yes += 1
         elif answer.easiest is not None:
             assert harder(asked, answer.easiest)
             assert not plain(problem, answer.easiest), (problem, asked, answer.easiest)
-    return yes
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_answers_are_those_of_the_plain_planner(seed: int) -> None:
-    agree(seed)
-
-
-@pytest.mark.slow
-def test_answers_are_those_of_the_plain_planner_in_many_drawn_states() -> None:
-    assert sum(agree(seed) for seed in range(100, 220)) > 100, "and not all of them are no"
 
 
 def test_what_nobody_could_promise_is_refused_at_once() -> None:
