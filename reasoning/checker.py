@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from reasoning import replay
 from reasoning.domain import Domain, load
 from reasoning.solver import Atom, models, parse, quoted
 from reasoning.values import State, Step, Value, Violation
@@ -110,6 +109,10 @@ def _judged(
 ) -> tuple[Atom, ...]:
     """What the program says, once it has been told of all ways that it asks for. Where a step leads depends on the ways
     in the steps before it, so this ends after as many rounds as there are steps, if not sooner."""
+    if not domain.data.geometry:
+        return models([domain.program("check")], facts, optimum=True)[-1].atoms
+    from reasoning import replay  # only now: slow to import, and most domains do without
+
     ways: list[str] = []
     while True:
         (*_, model) = models([domain.program("check")], [*facts, *ways], optimum=True)

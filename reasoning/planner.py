@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
-from reasoning import geometry
 from reasoning.asking import easier, exchanging_one, later, sharing
 from reasoning.domain import load
 from reasoning.prospects import prospects
@@ -55,7 +54,10 @@ class Planner:
         self._numbers = Counter(kind for _, kind in problem.guests)
         domain = load(problem.domain)
         self._program = Program([domain.program("plan")], facts(problem), domain.data.solver, seed=seed)
-        geometry.interleave(problem, self._program)
+        if domain.data.geometry:
+            from reasoning import geometry  # only now: slow to import, and most domains do without
+
+            geometry.interleave(problem, self._program)
 
     def hopeless(self) -> str:
         """Why the goal can never be reached, even with a guest if there may be one; "" if nothing speaks against it."""

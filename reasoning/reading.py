@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from reasoning import geometry
+from reasoning.domain import load
 from reasoning.solver import Atom, Model
 from reasoning.values import Handed, Plan, Problem, State, Value
 
@@ -13,7 +13,10 @@ def facts(problem: Problem) -> list[str]:
     """What the planner's programs are told of a problem."""
     told = [f"static({key},{value})." for key, value in problem.static.items()]
     told += [f"init({fluent},{value})." for fluent, value in problem.state.items()]
-    told += geometry.facts(problem)
+    if load(problem.domain).data.geometry:
+        from reasoning import geometry  # only now: slow to import, and most domains do without
+
+        told += geometry.facts(problem)
     told += [f"guest({problem.guest})."] if problem.guest else []
     return told + [f"guest({name},{kind})." for name, kind in problem.guests]
 
