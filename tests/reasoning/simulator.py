@@ -238,21 +238,25 @@ class Judge:
 
     def hinder(self, now: Floor, goes: Mapping[tuple[str, str], Cell], leaving: set[str]) -> dict[str, set[str]]:
         """Who cannot go: rivals for a cell, exchangers, and, again and again, those who run into one that stays."""
-        moving = {robot: (action, cell) for (action, robot), cell in goes.items() if robot in now.workers}
-        standing = {robot: cell for robot, cell in now.at.items() if robot in now.workers}
+
+        def rivals(robot: str, other: str) -> bool:
+            return robot != other and (robot in now.workers) == (other in now.workers)
+
+        moving = {robot: (action, cell) for (action, robot), cell in goes.items()}
+        standing = now.at
         hit: dict[str, set[str]] = {}
         for robot, (action, cell) in moving.items():
             for other, (_, cell2) in moving.items():
-                if robot != other and cell == cell2:
+                if rivals(robot, other) and cell == cell2:
                     hit.setdefault(action, set()).add("same_cell")
-                if robot != other and standing.get(other) == cell and standing.get(robot) == cell2:
+                if rivals(robot, other) and standing.get(other) == cell and standing.get(robot) == cell2:
                     hit.setdefault(action, set()).add("change_cells")
         changed = True
         while changed:
             changed = False
             stays = {r for r in standing if r not in leaving and (r not in moving or moving[r][0] in hit)}
             for robot, (action, cell) in moving.items():
-                blocked = any(standing[other] == cell for other in stays if other != robot)
+                blocked = any(standing[other] == cell for other in stays if rivals(robot, other))
                 if blocked and "cell_taken" not in hit.get(action, set()):
                     hit.setdefault(action, set()).add("cell_taken")
                     changed = True

@@ -125,7 +125,7 @@ def test_the_least_horizon_is_that_of_exhaustive_search(
 
 
 @pytest.mark.slow
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(DRAWN)
 def test_the_least_horizon_is_that_of_exhaustive_search_many_times(
     drawn: tuple[list[Team], int | dict[tuple[str, str], int], dict[str, Waiting]],
