@@ -176,5 +176,5 @@ def test_wrong_cases_are_refused(capsys: pytest.CaptureFixture[str], tmp_path: P
 def test_an_unknown_case_names_those_that_there_are() -> None:
     from ops.cases import read_case
 
-    with pytest.raises(InputError, match="There are: .*factory/two_broken"):
+    with pytest.raises(InputError, match=r"There are: .*factory/two_broken"):
         read_case("factory/no_such_case")
