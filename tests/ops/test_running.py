@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -20,6 +19,7 @@ from ops.registry import listing
 from ops.running import Options
 from ops.scenario import load
 from ops.shows import Lines, Silence
+from tests.system.whole import until
 
 STAND_IN = """
 import sys
@@ -37,6 +37,13 @@ with open_node(config) as node:
         pass
 """
 OVER = 'node.ask("supervisor", RunOver(True, "all is done", 5, 0), 20.0)'
+OVER_AFTER_THE_RESTART = f"""
+        from bus.messages import EventsFrom, Ping
+        node.ask("recorder", Ping(), 20.0)
+        while b"T1 restarted" not in b"".join(node.ask("supervisor", EventsFrom(1, 1), 20.0).packed):
+            node.post.wait(0.05)
+        {OVER}
+"""
 
 
 def stand_ins(monkeypatch: pytest.MonkeyPatch, last: str) -> None:
@@ -80,9 +87,8 @@ def test_a_run_from_start_to_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_a_fault_on_a_process_is_carried_out_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The world asks for T1 to be killed; the coordinator waits to see that before it ends the run.
-    wait = "import time; time.sleep(1.0); " + OVER
-    stand_ins(monkeypatch, wait)
+    # The world asks for T1 to be killed; the coordinator waits for that, and for a recorder, before it ends the run.
+    stand_ins(monkeypatch, OVER_AFTER_THE_RESTART)
     outcome = running.execute(load("factory/team_killed"), Options(record=tmp_path / "kept"), Silence())
     restarted = next(c for c in outcome.report.conditions if c.text.startswith("eventually process"))
     assert restarted.ok
@@ -148,10 +154,7 @@ def test_interrupting_leaves_nobody_behind(tmp_path: Path, number: signal.Signal
         os.kill(user.pid, number)
         user.wait(30)
     assert user.returncode == (-9 if number == signal.SIGKILL else 130)
-    deadline = time.monotonic() + 10
-    while any(map(alive, pids)) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert not [pid for pid in pids if alive(pid)]
+    until(lambda: not any(map(alive, pids)), "all are gone", 10.0)
 
 
 def children_of(pid: int) -> list[int]:

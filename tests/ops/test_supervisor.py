@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,22 +14,23 @@ import pytest
 from ops.children import environment
 from ops.restarts import Restarts
 from ops.supervisor import GaveUpError, Supervisor, TooLongError
+from tests.system.whole import alive, until
 
-SLEEPER = [sys.executable, "-S", "-c", "import time; time.sleep(600)"]
-FAILING = [sys.executable, "-S", "-c", "import time; time.sleep(0.2); raise SystemExit(3)"]
+SLEEPER = [sys.executable, "-S", "-c", "import signal; signal.pause()"]
+FAILING = [sys.executable, "-S", "-c", "raise SystemExit(3)"]
 STUBBORN = [
     sys.executable,
     "-S",
     "-c",
-    "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('deaf', flush=True); time.sleep(600)",
+    "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('deaf', flush=True); signal.pause()",
 ]
 FAMILY = [
     sys.executable,
     "-S",
     "-c",
-    "import subprocess, sys, time;"
-    "child = subprocess.Popen([sys.executable, '-S', '-c', 'import time; time.sleep(600)']);"
-    "print(child.pid, flush=True); time.sleep(600)",
+    "import signal, subprocess, sys;"
+    "child = subprocess.Popen([sys.executable, '-S', '-c', 'import signal; signal.pause()']);"
+    "print(child.pid, flush=True); signal.pause()",
 ]
 
 
@@ -40,24 +40,6 @@ class Told(list[tuple[str, str, str]]):
 
     def states(self, name: str) -> list[str]:
         return [state for who, state, _ in self if who == name]
-
-
-def alive(pid: int) -> bool:
-    """Does the process exist and run (a zombie does not)?"""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state not in ("Z", "X")
-
-
-def eventually(condition: Callable[[], bool], limit_s: float = 10.0) -> bool:
-    deadline = time.monotonic() + limit_s
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 def supervisor(told: Told, budget: int = 5) -> Supervisor:
@@ -98,7 +80,7 @@ def test_stop_ends_children_in_reverse_and_kills_the_deaf(tmp_path: Path, monkey
         boss.launch("first", SLEEPER, tmp_path / "first.log")
         boss.launch("deaf", STUBBORN, tmp_path / "deaf.log")
         boss.launch("last", SLEEPER, tmp_path / "last.log")
-        assert eventually(lambda: "deaf" in (tmp_path / "deaf.log").read_text())
+        until(lambda: "deaf" in (tmp_path / "deaf.log").read_text(), "it is deaf", 10.0)
         boss.stop()
     assert [name for name, state, _ in told if state == "stopped"] == ["last", "deaf", "first"]
 
@@ -132,11 +114,11 @@ def test_helpers_of_a_child_end_with_it(tmp_path: Path) -> None:
     log = tmp_path / "family.log"
     with supervisor(Told()) as boss:
         boss.launch("family", FAMILY, log)
-        assert eventually(lambda: log.read_text().endswith("\n"))
+        until(lambda: log.read_text().endswith("\n"), "its child is there", 10.0)
         helper = int(log.read_text())
         assert alive(helper)
         boss.stop()
-        assert eventually(lambda: not alive(helper))
+        until(lambda: not alive(helper), "the child is gone", 10.0)
 
 
 def test_a_condition_that_does_not_come_true_is_named() -> None:
@@ -158,7 +140,7 @@ from pathlib import Path
 from ops.supervisor import Supervisor
 with Supervisor(time.monotonic, lambda *said: None) as boss:
     for name in ("one", "two"):
-        boss.launch(name, [sys.executable, "-S", "-c", "import time; time.sleep(600)"], Path(sys.argv[1]))
+        boss.launch(name, [sys.executable, "-S", "-c", "import signal; signal.pause()"], Path(sys.argv[1]))
     keeper = boss._children.pid
     print(keeper, *(child.pid for child in boss.table.values()), flush=True)
     boss.until(lambda: False, 600, "the end")
@@ -180,7 +162,7 @@ def test_kill_minus_nine_leaves_nobody_behind(tmp_path: Path, victim: str) -> No
         assert len(pids) == 3
         assert all(alive(pid) for pid in pids)
         os.kill(boss.pid if victim == "supervisor" else pids[0], signal.SIGKILL)
-        assert eventually(lambda: not any(alive(pid) for pid in pids))
+        until(lambda: not any(alive(pid) for pid in pids), "all are gone", 10.0)
         if victim == "keeper":
             assert boss.wait(10) == 1  # GaveUpError
 
