@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
-
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -16,6 +13,7 @@ from reasoning.values import Problem, Step, Violation
 from tests.reasoning import published
 from tests.reasoning.published import BREAKS, DETAILS, DOMAIN, EXCHANGES
 from tests.reasoning.simulator import ROBOT_ARGUMENTS, judge
+from tests.reasoning.spoiling import Spoiled
 
 SETUP, STEPS = published.load()
 
@@ -44,18 +42,6 @@ def test_without_the_break_the_repair_is_the_first_thing_wrong_besides_what_the_
 def test_an_effector_that_does_not_fit_is_told_where_it_matters() -> None:
     details = {**DETAILS, "T1": {(13, "takeRobot(w2,1,2)"): {"effector": 2}}}
     assert {v.rule for v in verdict(STEPS, details=details)} == {"work_stage", "goal_stage"}
-
-
-class Spoiled(NamedTuple):
-    rule: str
-    team: str
-    step: int
-    remove: tuple[str, ...] = ()
-    add: tuple[str, ...] = ()
-    found_at: tuple[str, int] | None = None
-    exchanges: Sequence[Exchange] | None = None
-    also: tuple[str, int, str] | None = None  # one more action that is left out
-    fixed: str = ""  # the team's worker whose end effector is
 
 
 TAKE = "takeRobot(w2,1,2)"
@@ -128,13 +114,7 @@ SPOILED = [
 
 @pytest.mark.parametrize("spoiled", SPOILED, ids=lambda s: f"{s.rule}-{s.team}-{s.step}")
 def test_a_copy_spoiled_in_one_rule_is_refused_for_that_rule(spoiled: Spoiled) -> None:
-    plan = {team: list(steps) for team, steps in STEPS.items()}
-    step = plan[spoiled.team][spoiled.step]
-    assert set(spoiled.remove) <= set(step)
-    plan[spoiled.team][spoiled.step] = (*(a for a in step if a not in spoiled.remove), *spoiled.add)
-    if spoiled.also is not None:
-        team, at, action = spoiled.also
-        plan[team][at] = tuple(a for a in plan[team][at] if a != action)
+    plan = spoiled.of(STEPS)
     fixed = {spoiled.team: {f"fixed({spoiled.fixed})": 1}} if spoiled.fixed else {}
     states = {name: {**state, **fixed.get(name, {})} for name, state in SETUP.states.items()}
     details = DETAILS if spoiled.rule == "take_kind" else None

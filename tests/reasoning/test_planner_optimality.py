@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from reasoning.checker import Exchange, check
 from reasoning.domain import load
-from reasoning.planner import Planner, predict
+from reasoning.planner import Planner
 from reasoning.solver import Assumption, Program
-from reasoning.values import Answer, Problem, Question
+from reasoning.values import Answer, Question
 from tests.reasoning.bfs import Team
+from tests.reasoning.optima import approve, least
 from tests.reasoning.teams import DOMAIN, drawn, team
 
 QUESTIONS = [
@@ -22,30 +22,6 @@ QUESTIONS = [
     *(Question("lend", 0, step) for step in (0, 2, 4, 20)),
     *(Question("borrow", 0, step) for step in (0, 2, 5)),
 ]
-
-
-def least(ask: Callable[[Question], bool], question: Question, longest: int) -> int | None:
-    return next((k for k in range(longest + 1) if ask(question._replace(within=k))), None)
-
-
-def approve(problem: Problem, answer: Answer) -> None:
-    """A plan is what the dynamics predict of its own steps, and the independent checker finds nothing wrong with it."""
-    plan = answer.plan
-    assert plan is not None
-    assert plan.makespan <= answer.question.within
-    assert predict(problem, plan.steps, plan.details) == (plan, plan.makespan)
-    kind, step = answer.question.kind, answer.question.step
-    assert (plan.exchange is None) == (kind == "alone")
-    exchanges = []
-    if plan.exchange is not None:
-        robot, at = plan.exchange
-        assert at <= step if kind == "lend" else at >= step
-        exchanges = [Exchange("w1", "T0", -9, "T", at, robot)] if kind == "borrow" else []
-    details = {"T": plan.details}
-    assert (
-        check(DOMAIN, problem.static, {"T": problem.state}, {"T": plan.steps}, details=details, exchanges=exchanges)
-        == []
-    )
 
 
 SLOW = pytest.mark.slow

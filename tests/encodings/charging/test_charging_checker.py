@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
-
 import pytest
 
 from ops.compile import start
@@ -12,6 +9,7 @@ from ops.scenario import load
 from reasoning.checker import Break, Exchange, check, examine
 from reasoning.domain import load as load_domain
 from tests.encodings.charging.teams import DOMAIN
+from tests.reasoning.spoiling import Spoiled
 
 SETUP = start(load("charging/two_drained"))
 EXCHANGES = (Exchange("w2", "T2", 8, "T1", 10, "w2"),)
@@ -47,18 +45,6 @@ def test_a_charge_of_a_broken_charger_fails_and_fills_nothing() -> None:
     plan["T1"].append(("workOn(w1,2)",))
     result = examine(DOMAIN, SETUP.static, SETUP.states, plan, breaks=[Break("T1", "c1", 5)])
     assert (6, "battery") in [(v.step, v.rule) for v in result.violations]
-
-
-class Spoiled(NamedTuple):
-    rule: str
-    team: str
-    step: int
-    remove: tuple[str, ...] = ()
-    add: tuple[str, ...] = ()
-    found_at: tuple[str, int] | None = None
-    exchanges: Sequence[Exchange] | None = None
-    also: tuple[str, int, str] | None = None  # one more action that is left out
-    breaks: Sequence[Break] = ()
 
 
 SPOILED = [
@@ -126,13 +112,7 @@ SPOILED = [
 
 @pytest.mark.parametrize("spoiled", SPOILED, ids=lambda s: f"{s.rule}-{s.team}-{s.step}")
 def test_a_copy_spoiled_in_one_rule_is_refused_for_that_rule(spoiled: Spoiled) -> None:
-    plan = {team: list(steps) for team, steps in STEPS.items()}
-    step = plan[spoiled.team][spoiled.step]
-    assert set(spoiled.remove) <= set(step)
-    plan[spoiled.team][spoiled.step] = (*(a for a in step if a not in spoiled.remove), *spoiled.add)
-    if spoiled.also is not None:
-        team, at, action = spoiled.also
-        plan[team][at] = tuple(a for a in plan[team][at] if a != action)
+    plan = spoiled.of(STEPS)
     told = check(DOMAIN, SETUP.static, SETUP.states, plan, exchanges=spoiled.exchanges, breaks=spoiled.breaks)
     found = [v for v in told if (v.team, v.step) == (spoiled.found_at or (spoiled.team, spoiled.step))]
     assert spoiled.rule in {v.rule for v in found}

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from reasoning.checker import Exchange, check
 from reasoning.domain import load
-from reasoning.planner import Planner, predict
+from reasoning.planner import Planner
 from reasoning.solver import Assumption, Program
 from reasoning.values import Answer, Problem, Question
 from tests.encodings.charging.search import Team
 from tests.encodings.charging.teams import DOMAIN, drawn, team
+from tests.reasoning.optima import approve, least
 
 LONGEST = 6
 QUESTIONS = [
@@ -20,26 +20,6 @@ QUESTIONS = [
     *(Question("lend", 0, step) for step in (0, 2, 20)),
     *(Question("borrow", 0, step) for step in (0, 2)),
 ]
-
-
-def least(ask: Callable[[Question], bool], question: Question, longest: int) -> int | None:
-    return next((k for k in range(longest + 1) if ask(question._replace(within=k))), None)
-
-
-def approve(problem: Problem, answer: Answer) -> None:
-    """A plan is what the dynamics predict of its own steps, and the independent checker finds nothing wrong with it."""
-    plan, (kind, _, step, *_) = answer.plan, answer.question
-    assert plan is not None
-    assert plan.makespan <= answer.question.within
-    assert predict(problem, plan.steps, plan.details) == (plan, plan.makespan)
-    exchanges = []
-    if kind != "alone":
-        assert plan.exchange is not None
-        robot, at = plan.exchange
-        assert at <= step if kind == "lend" else at >= step
-        exchanges = [Exchange("w1", "T0", -9, "T", at, robot)] if kind == "borrow" else []
-    given = {"details": {"T": plan.details}, "exchanges": exchanges}
-    assert check(DOMAIN, problem.static, {"T": problem.state}, {"T": plan.steps}, **given) == []  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(16))
