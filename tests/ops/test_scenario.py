@@ -127,16 +127,20 @@ def test_every_shipped_scenario_can_be_read(name: str) -> None:
 )
 def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, old: str, new: str, place: str, expected: str) -> None:
     assert old in GOOD
-    with pytest.raises(InputError) as caught:
-        compile_everything(scenario(tmp_path, GOOD.replace(old, new, 1)))
-    assert place in str(caught.value)
-    assert expected in str(caught.value)
+    refused(tmp_path, GOOD.replace(old, new, 1), place, expected)
 
 
 def compile_everything(scenario: Scenario) -> None:
     from ops.compile import compile_scenario
 
     compile_scenario(scenario)
+
+
+def refused(tmp_path: Path, text: str, place: str, expected: str) -> None:
+    with pytest.raises(InputError) as caught:
+        compile_everything(scenario(tmp_path, text))
+    assert place in str(caught.value)
+    assert expected in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -153,10 +157,7 @@ def compile_everything(scenario: Scenario) -> None:
     ],
 )
 def test_the_domain_refuses_with_the_same_places(tmp_path: Path, old: str, new: str, place: str, expected: str) -> None:
-    with pytest.raises(InputError) as caught:
-        compile_everything(scenario(tmp_path, GOOD.replace(old, new, 1)))
-    assert place in str(caught.value)
-    assert expected in str(caught.value)
+    refused(tmp_path, GOOD.replace(old, new, 1), place, expected)
 
 
 @pytest.mark.parametrize(
@@ -170,10 +171,7 @@ def test_the_domain_refuses_with_the_same_places(tmp_path: Path, old: str, new: 
 )
 def test_nobody_is_moved_off_the_floor(tmp_path: Path, target: str, where: str, place: str, expected: str) -> None:
     text = GOOD.replace('kind = "break"\ntarget = "T1.c1"', f'kind = "move"\ntarget = "{target}"\n{where}')
-    with pytest.raises(InputError) as caught:
-        compile_everything(scenario(tmp_path, text))
-    assert place in str(caught.value)
-    assert expected in str(caught.value)
+    refused(tmp_path, text, place, expected)
 
 
 def test_overrides_reach_every_key(tmp_path: Path) -> None:

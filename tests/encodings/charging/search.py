@@ -1,6 +1,7 @@
 """A second planner, by breadth-first search, written from the rules of the charging factory; for very small teams.
 
-No broken robots, one charger. It tries every combination of what everybody might do in a step.
+No broken robots, one charger. It tries every combination of what everybody might do in a step; the search itself is
+that of the painting factory.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from itertools import product
 from typing import NamedTuple
 
 from reasoning.values import Problem
+from tests.reasoning import bfs
 
 Cell = tuple[int, int]
 Act = tuple[str, int, int]
@@ -32,7 +34,7 @@ class Where(NamedTuple):
     exchanged: bool = False
 
 
-class Team:
+class Team(bfs.Team):
     """`longest` steps are looked at; of a battery, what they could use and no more makes a difference."""
 
     def __init__(self, problem: Problem, longest: int) -> None:
@@ -44,7 +46,7 @@ class Team:
         self.line = [int(state[f"line({b})"]) for b in boxes]
         self.last = max(self.line, default=0)
         workers = [
-            Worker(cell(state[f"at({w})"]), int(state[f"effector({w})"]), self.least(int(state[f"battery({w})"])))
+            Worker(cell(state[f"at({w})"]), int(state[f"effector({w})"]), self.useful(int(state[f"battery({w})"])))
             for w in names
         ]
         partner = str(state["docked(c1)"])
@@ -54,28 +56,12 @@ class Team:
         guest = (None,) if problem.guest else ()
         self.start = Where((*workers, *guest), cell(state["at(c1)"]), docked, 0, stages, wet)
 
-    def least(self, battery: int) -> int:
+    def useful(self, battery: int) -> int:
         return min(battery, self.longest + 1)
 
     def makespan(self, kind: str, step: int) -> int | None:
-        """The least makespan alone, lending in step `step` or earlier, or borrowing in `step` or later; None: beyond
-        `longest`. Layer by layer; a state once seen is seen again, dry, by waiting."""
-        layer, seen, allowed = {self.start}, {self.start}, ""
-        for t in range(self.longest + 1):
-            if any(self.goal(s) and s.exchanged == (kind != "alone") for s in layer):
-                return t
-            before, allowed = allowed, {"alone": "", "lend": "give" * (t <= step), "borrow": "take" * (t >= step)}[kind]
-            if before != allowed:
-                layer |= {s for s in seen if not s.wet}
-                seen = set(layer)
-            if kind == "lend" and not allowed:
-                layer = {s for s in layer if s.exchanged}
-            layer = {n for s in layer for n in self.next(s, allowed)} - seen
-            seen |= layer
-        return None
-
-    def goal(self, s: Where) -> bool:
-        return s.shifts >= self.last and all(stage == 3 for stage in s.stages)
+        """See `tests.reasoning.bfs.Team.least`."""
+        return self.least(kind, step, self.longest)
 
     def next(self, s: Where, allowed: str) -> Iterator[Where]:
         choices = [list(self.choices(s, i, allowed)) for i in range(len(s.workers))]
@@ -125,7 +111,7 @@ class Team:
         for i, (name, a, b) in enumerate(acts):
             worker = s.workers[i]
             if name == "take":
-                workers[i], exchanged = Worker((1, a), b, self.least(self.most)), True
+                workers[i], exchanged = Worker((1, a), b, self.useful(self.most)), True
             elif name == "give":
                 workers[i], exchanged = None, True
             elif worker is not None and name != "idle":
@@ -146,7 +132,7 @@ class Team:
             worker = s.workers[a]
             if acts[a][0] != "idle" or worker is None:
                 return None
-            workers[a] = worker._replace(battery=self.least(min(worker.battery + self.rate, self.most)))
+            workers[a] = worker._replace(battery=self.useful(min(worker.battery + self.rate, self.most)))
         if self.crowded(s.workers, workers):
             return None
         wet = frozenset(b for b in worked if stages[b] == 1)
