@@ -27,6 +27,7 @@ def _left(task: Task) -> int | None:
 
 
 def begin_charge(truth: Truth, task: Task) -> str:
+    """Why the robot cannot fill the store of the one that it holds, or empty."""
     if reason := able(truth, task):
         return reason
     assert task.robot is not None
@@ -39,6 +40,7 @@ def begin_charge(truth: Truth, task: Task) -> str:
 
 
 def end_charge(truth: Truth, task: Task) -> str:
+    """`gain` more units are in the store, up to `most`."""
     other, action = task.other, task.action
     assert other is not None
     left = other.attributes[action.attribute]
