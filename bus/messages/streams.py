@@ -22,6 +22,11 @@ class Status(Body, frozen=True):
 
     `plan` is the team's adopted plan from global step `start`; `bound` and `best` are the coordinator's
     proven lower bound and best makespan so far (-1: none yet).
+
+    Of teams that drive along ways and keep deadlines: `ways` by robot, each the whole way of its present action in
+    metres in the frame of the room that it is in (watchers draw what is left of it); `helping` says in a few words
+    what help is asked for, promised, given or under way, empty if none; `elapsed` and `deadline` in units of the
+    domain's time since the run began (-1: not counted; 0: no deadline).
     """
 
     role: Literal["team", "coordinator", "world", "supervisor", "recorder"]
@@ -35,6 +40,10 @@ class Status(Body, frozen=True):
     questions: Count = 0
     finished: bool = False
     exchanges: tuple[Exchange, ...] = ()
+    ways: dict[Name, tuple[tuple[float, float], ...]] = {}
+    helping: Text = ""
+    elapsed: int = -1
+    deadline: Count = 0
 
 
 class BodyFrame(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
