@@ -10,7 +10,9 @@ import importlib
 import json
 import os
 import sys
+import threading
 from collections.abc import Sequence
+from typing import NoReturn
 
 from bus.clock import wall_s
 from ops.commands import COMMANDS
@@ -78,5 +80,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
 
 
+def script() -> NoReturn:
+    """`main` as a process of its own."""
+    code = main()
+    sys.stdout.flush()
+    if any(thread.daemon for thread in threading.enumerate()):
+        os._exit(code)  # a search is in a call that cannot be interrupted, and must not meet the solver's own end
+    sys.exit(code)
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    script()

@@ -7,15 +7,14 @@ is found goes through the independent checker before anybody sees it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from bus.clock import wall_s
 from ops import shares
 from ops.compile import start
+from ops.patience import Patience, begun
 from ops.scenario import Scenario
 from reasoning.checker import check
 from reasoning.costs import cheapest
@@ -29,6 +28,8 @@ from reasoning.values import Answer, Plan, Problem, Question, Step, Violation
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown", "refused"]
 Progress = Callable[[str], None]
+LOOK_S = 0.05
+"""So often is looked whether the time is over."""
 
 
 @dataclass(frozen=True)
@@ -52,29 +53,6 @@ class JointPlan:
         return self.makespan - self.lower_bound if self.status in ("optimal", "feasible") else None
 
 
-class _Patience:
-    """How long the search may go on: `search_s` wall seconds from `began` (0: for ever), or until `stop` says so."""
-
-    def __init__(self, began: float, search_s: float, stop: Callable[[], bool]) -> None:
-        self._stop, self._search_s = stop, search_s
-        # A little early: a search that goes on looks up a few times a second only, and later still on a busy machine.
-        self._end = began + 0.95 * search_s if search_s else math.inf
-
-    @property
-    def limited(self) -> bool:
-        return self._end < math.inf
-
-    def left_s(self) -> float | None:
-        return self._end - wall_s() if self.limited else None
-
-    def over(self) -> str:
-        """Why the search is over, in words; "" if it is not."""
-        if self._stop():
-            return "the search was interrupted"
-        late = wall_s() >= self._end
-        return f"the search was stopped after {self._search_s:g} s, by --budget or limits.search_s" if late else ""
-
-
 @dataclass
 class _Team:
     planner: Planner
@@ -96,42 +74,70 @@ def solve(
     """The shortest shared plan with its proof, or as far as the scenario's limits allow. Raises `InputError`.
 
     `progress` hears what is being asked. Once `stop` is true, or ``limits.search_s`` seconds after `began`, the best
-    plan so far is the result. Raises AssertionError should the checker refuse what the planner found.
+    plan so far is the result; a search that the solver cannot interrupt just then is left to itself, and ends soon.
+    Raises AssertionError should the checker refuse what the planner found.
     """
-    began = wall_s() if began is None else began
-    setup = start(scenario)
-    domain = load(scenario.domain)
-    patience = _Patience(began, scenario.limits.search_s, stop)
-    problems = shares.problems(domain, setup)
-    teams = {team: _team(problem, patience) for team, problem in problems.items()}
-    if not domain.data.exchanged:
-        alone, questions = _each_alone(teams, scenario, patience, progress)
-        return _joint(alone, teams, scenario, setup, questions, wall_s() - began)
-    questions = 0
-    best: tuple[Shared, JointPlan] | None = None
-    asking: Asking | None = None
-    while isinstance(result := _advance(teams, setup, asking), Asking):
-        asking = result
-        so_far = result.so_far
-        if patience.limited and so_far.roles and (best is None or best[0].roles != so_far.roles):
-            # Checked as soon as it is found, so that nothing is left to do when the time is over.
-            best = so_far, _joint(so_far, teams, scenario, setup, questions, 0.0)
-        if why := patience.over():
-            proof = "; ".join(filter(None, [so_far.proof, why]))
-            if best is not None:
-                seconds = wall_s() - began
-                bound = so_far.lower_bound
-                return replace(best[1], lower_bound=bound, proof=proof, questions=questions, seconds=seconds)
-            result = replace(so_far, proof=proof)
-            break
-        for name, asked in sorted(result.questions.items()):
-            progress(f"{result.within} steps: {name} {shares.words(asked)}{_so_far(result)}")
-        questions += len(result.questions)
-        answers = _ask(teams, result.questions, scenario.limits.conflicts or None, patience.left_s())
-        for name, answer in answers.items():
-            if answer.verdict != "unknown" or not patience.over():
-                teams[name].learn(answer)
-    return _joint(result, teams, scenario, setup, questions, wall_s() - began)
+    search = _Search(scenario, progress, wall_s() if began is None else began, stop)
+    done = begun(search.run)
+    while True:
+        try:
+            return done.result(timeout=LOOK_S)
+        except TimeoutError:
+            if search.bounded and search.patience.over():
+                return search.so_far()
+
+
+class _Search:
+    """One scenario's search. `run` goes through with it; meanwhile `so_far` tells what it has found."""
+
+    def __init__(self, scenario: Scenario, progress: Progress, began: float, stop: Callable[[], bool]) -> None:
+        self._scenario, self._progress, self._began = scenario, progress, began
+        self.patience = Patience(began, scenario.limits.search_s, stop)
+        self._asking: Asking | None = None
+        self._best: JointPlan | None = None
+        self._questions = 0
+
+    def run(self) -> JointPlan:
+        scenario, patience = self._scenario, self.patience
+        setup = start(scenario)
+        domain = load(scenario.domain)
+        teams = {team: _team(problem, patience) for team, problem in shares.problems(domain, setup).items()}
+        if not domain.data.exchanged:
+            alone, questions = _each_alone(teams, scenario, patience, self._progress)
+            return _joint(alone, teams, scenario, setup, questions, self._seconds())
+        roles: Mapping[str, Question] = {}
+        while isinstance(result := _advance(teams, setup, self._asking), Asking):
+            so_far = result.so_far
+            if so_far.roles and so_far.roles != roles:  # checked at once: nothing is left to do when the time is over
+                roles, self._best = so_far.roles, _joint(so_far, teams, scenario, setup, self._questions, 0.0)
+            self._asking = result
+            if patience.over():
+                return self.so_far()
+            for name, asked in sorted(result.questions.items()):
+                self._progress(f"{result.within} steps: {name} {shares.words(asked)}{_so_far(result)}")
+            self._questions += len(result.questions)
+            answers = _ask(teams, result.questions, scenario.limits.conflicts or None, patience.left_s())
+            for name, answer in answers.items():
+                if answer.verdict != "unknown" or not patience.over():
+                    teams[name].learn(answer)
+        return _joint(result, teams, scenario, setup, self._questions, self._seconds())
+
+    @property
+    def bounded(self) -> bool:
+        """Are the first bounds known? Before that there is nothing to tell, however short the budget."""
+        return self._asking is not None
+
+    def so_far(self) -> JointPlan:
+        """The best plan until now, with what is proved."""
+        known = self._asking.so_far if self._asking else Shared("unknown")
+        proof = "; ".join(filter(None, [known.proof, self.patience.over()]))
+        best = self._best or JointPlan("unknown", 0, 0, "", (), {}, 0, 0.0)
+        return replace(
+            best, lower_bound=known.lower_bound, proof=proof, questions=self._questions, seconds=self._seconds()
+        )
+
+    def _seconds(self) -> float:
+        return wall_s() - self._began
 
 
 def _ask(
@@ -139,15 +145,14 @@ def _ask(
 ) -> dict[str, Answer]:
     """The answers, in the order of the teams' names. Each team has a solver of its own, and solving lets other threads
     run."""
-    with ThreadPoolExecutor() as pool:
-        futures = {
-            name: pool.submit(teams[name].planner.answer, asked, conflicts=conflicts, seconds=seconds)
-            for name, asked in sorted(questions.items())
-        }
-    return {name: future.result() for name, future in futures.items()}
+    asked_of = {
+        name: begun(teams[name].planner.answer, asked, conflicts=conflicts, seconds=seconds)
+        for name, asked in sorted(questions.items())
+    }
+    return {name: future.result() for name, future in asked_of.items()}
 
 
-def _team(problem: Problem, patience: _Patience) -> _Team:
+def _team(problem: Problem, patience: Patience) -> _Team:
     planner = Planner(problem, cancelled=lambda: bool(patience.over()), clock=wall_s)
     alone = prospects(replace(problem, guest="", guests=()))
     several = bool(problem.guest or problem.guests)
@@ -157,7 +162,7 @@ def _team(problem: Problem, patience: _Patience) -> _Team:
 
 
 def _each_alone(
-    teams: Mapping[str, _Team], scenario: Scenario, patience: _Patience, progress: Progress
+    teams: Mapping[str, _Team], scenario: Scenario, patience: Patience, progress: Progress
 ) -> tuple[Shared, int]:
     """Where nobody is lent: every team's own shortest plan, of these one that costs least; and how many questions that
     took."""
