@@ -17,22 +17,35 @@ Strict = {"forbid_unknown_fields": True}
 
 
 class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A kind of body. `track` says where it lives: on the cells of a ``grid``, or riding a ``line``.
+    """A kind of body. `track` says where it lives: on the cells of a ``grid``, riding a ``line``, or anywhere on the
+    ``floor`` of a room.
 
-    `prefix` starts its instances' names; `role` is ``robot`` (drives, may break) or ``object``.
-    `layer`: bodies of the same layer collide. `attributes` are its sensed properties besides its place.
-    `couples`: name of the attribute that shows which body it is coupled to, if it can couple.
+    `prefix` starts its instances' names; `role` is ``robot`` (drives, may break), ``object`` or ``person`` (walks, and
+    is never pushed). `layer`: bodies of the same layer collide; on the floor of a room all do. `attributes` are its
+    sensed properties besides its place. `couples`: name of the attribute that shows which body it is coupled to, if it
+    can couple.
+
+    On the floor of a room: `pose` names the fluent that tells exactly, in millimetres, where a body is that is not in
+    the middle of a cell, `end` the one that tells where the other end of a heavy thing is. A robot holds an end of a
+    thing, which is shown as a term ``GRIP(NAME,1)``, or 2 for the other end; `grip` is its name. `friction_n` is what
+    a robot must overcome to drag a thing, `heavy_n` a heavy one; `traction_n` is what it has.
     """
 
     prefix: str
-    role: Literal["robot", "object"]
-    track: Literal["grid", "line"]
+    role: Literal["robot", "object", "person"]
+    track: Literal["grid", "line", "floor"]
     place: Name
     radius_m: Positive = 0.3
     mass_kg: Positive = 10.0
     layer: Count = 0
     attributes: tuple[Name, ...] = ()
     couples: str = ""
+    pose: str = ""
+    end: str = ""
+    grip: str = ""
+    traction_n: Positive = 300.0
+    friction_n: Positive = 10.0
+    heavy_n: Positive = 360.0
     glyph: str = "?"
 
 
@@ -42,13 +55,20 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     `drains`: an attribute of the robot that the action takes a unit of, if the robot has it; with none left nothing
     comes of it. `gain` and `most` are of the skill ``charge``, which fills `attribute` of the coupled robot.
+    `counts`: a fluent of the workspace that grows by one each time it has its effect.
+
+    On the floor of a room: ``follow`` drives along the way that the call's detail `way` gives, ``((x,y),...)`` in
+    millimetres, in `units` periods; ``grasp`` takes hold of what the detail named `point` says (``GRIP(NAME,END)``),
+    or else of what is there; ``release``; ``leave`` goes out by the door to `room`, ``enter`` comes in by the one to
+    the room that the robot, detail `robot`, came from.
     """
 
     skill: Literal[
         "drive", "couple", "uncouple", "drive_coupled", "set", "operate",
         "convey", "depart", "arrive", "charge", "repair", "inspect",
+        "follow", "grasp", "release", "leave", "enter",
     ]  # fmt: skip
-    args: tuple[Literal["robot", "partner", "object", "direction", "value", "x", "y"], ...] = ()
+    args: tuple[Literal["robot", "partner", "object", "direction", "value", "x", "y", "room"], ...] = ()
     direction: Literal["", "up", "down", "left", "right"] = ""
     attribute: str = ""
     tool: str = ""
@@ -58,22 +78,54 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     drains: str = ""
     gain: Count = 0
     most: Count = 0
+    point: str = ""
+    counts: str = ""
+
+
+class Solid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Furniture: a simple polygon, convex or not, in metres from the room's south-west corner. Nobody sees past what is
+    tall."""
+
+    name: Name
+    corners: tuple[tuple[float, float], ...]
+    tall: bool = False
+
+
+class Stop(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A person sets out to a point of the room, in metres, at `at_s` after the run's beginning."""
+
+    at_s: Seconds
+    x_m: float
+    y_m: float
 
 
 class Workspace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One team's floor: cells x = 1..width, y = 1..height, one metre each; a line along the north side whose
     position p lies above column p, visible for p = 1..line_length; column `dock_column` leads to the bench and has no
-    access to the line."""
+    access to the line.
+
+    Or a room, if it has the name of one: walls all round, cells x = 0..width-1, y = 0..height-1, cell (x,y) from x, y
+    to x+1, y+1 metres from the south-west corner. `doors` leads from a room's name to the cells (west, east, south,
+    north) by which robots go there. `fluents` are what its sensors show besides the bodies; the one named `clock` tells
+    the periods since the run began, rounded up."""
 
     team: Name
     width: Annotated[int, msgspec.Meta(ge=1)]
     height: Annotated[int, msgspec.Meta(ge=1)]
     line_length: Count = 0
     dock_column: Count = 1
+    room: str = ""
+    solids: tuple[Solid, ...] = ()
+    doors: dict[str, tuple[Count, Count, Count, Count]] = {}
+    fluents: dict[str, Value] = {}
+    clock: str = ""
 
 
 class Entity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A body at its start. `id` is ``team.name`` for ever; `place` a cell ``(x,y)``, a line position, or ``bench``."""
+    """A body at its start. `id` is ``team.name`` for ever; `place` a cell ``(x,y)``, a line position, or ``bench``.
+
+    `end` is the cell of the other end of a heavy thing, beside `place`; if it is not `known`, that shows only when
+    somebody tries. `stops` are a person's walk, which begins again every `again_s` seconds, if that is not 0."""
 
     id: Name
     team: Name
@@ -82,6 +134,10 @@ class Entity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     place: Value
     attributes: dict[str, Value] = {}
     broken: bool = False
+    end: str = ""
+    known: bool = True
+    stops: tuple[Stop, ...] = ()
+    again_s: Seconds = 0.0
 
 
 class Fault(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -99,7 +155,8 @@ class Fault(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The whole world at its start. `title` and `display` are for people alone: `display` gives the words for
     values, attribute -> value -> word (``{"effector": {"1": "painter"}}``), and under ``places`` for ``dock``,
-    ``line`` and ``bench``."""
+    ``line`` and ``bench``. `conducted`: somebody conducts the teams' steps, which are carried out together; else every
+    team has periods of its own."""
 
     domain: Name
     seed: int
@@ -112,5 +169,6 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     workspaces: tuple[Workspace, ...]
     entities: tuple[Entity, ...]
     faults: tuple[Fault, ...] = ()
+    conducted: bool = True
     title: str = ""
     display: dict[str, dict[str, str]] = {}

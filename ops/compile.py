@@ -16,6 +16,7 @@ from typing import Any
 import msgspec
 
 from bus.scene import Action, Entity, Fault, Kind, Scene, Workspace
+from ops import rooms
 from ops.faultwords import Names, problem
 from ops.plans import GivenPlan
 from ops.scenario import Scenario
@@ -86,7 +87,7 @@ def start(scenario: Scenario) -> Setup:
 
 def _scene(scenario: Scenario, domain: Domain, setup: Setup) -> Scene:
     data = domain.data
-    kinds = {name: msgspec.convert(table, Kind) for name, table in data.kinds.items()}
+    kinds = {name: msgspec.convert(table | rooms.size(domain, setup, name), Kind) for name, table in data.kinds.items()}
     display: dict[str, Any] = data.display
     words = {str(a): {str(v): str(w) for v, w in values.items()} for a, values in display.get("values", {}).items()}
     places = {str(place): str(word) for place, word in display.get("places", {}).items()}
@@ -100,18 +101,20 @@ def _scene(scenario: Scenario, domain: Domain, setup: Setup) -> Scene:
         kinds=kinds,
         actions={name: msgspec.convert(table, Action) for name, table in data.actions.items()},
         workspaces=tuple(
-            msgspec.convert({"team": team, **floor}, Workspace) for team, floor in setup.workspaces.items()
+            msgspec.convert({"team": team, **floor, **rooms.walls(domain, setup, team)}, Workspace)
+            for team, floor in setup.workspaces.items()
         ),
-        entities=tuple(_entity(team, name, kind, kinds[kind], setup) for team, name, kind in setup.entities),
+        entities=tuple(_entity(team, name, kind, kinds[kind], setup, data.time) for team, name, kind in setup.entities),
         faults=scenario.faults,
+        conducted=data.conducted,
         title=scenario.story,
         display={**words, "places": places} if places else words,
     )
 
 
-def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup) -> Entity:
-    """A body's start is what its team's sensed state says of it."""
-    state = setup.states[team]
+def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup, time: Mapping[str, float]) -> Entity:
+    """A body's start is what its team's sensed state says of it, and what is hidden from the team."""
+    state = {**setup.states[team], **setup.hidden[team]}
     sensed = (*known.attributes, *filter(None, [known.couples]))
     return Entity(
         id=f"{team}.{name}",
@@ -120,6 +123,10 @@ def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup) -> Entit
         kind=kind,
         place=state[f"{known.place}({name})"],
         attributes={attribute: state[f"{attribute}({name})"] for attribute in sensed},
+        end=str(state.get(f"{known.end}({name})", "")) if known.end else "",
+        known=f"{known.end}({name})" not in setup.hidden[team],
+        stops=rooms.stops(state, name, time["period_s"]),
+        again_s=int(state.get(f"{rooms.AGAIN}({name})", 0)) * time["period_s"],
     )
 
 

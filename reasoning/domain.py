@@ -40,7 +40,8 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     without them what kind of body it is; `rules` gives the checker's rules in plain words, `why` the members of a clash
     (`reasoning.why`). `geometry` names the constants that describe rooms (see `reasoning.geometry`), `costs` those by
     which plans of the shortest length are compared (`reasoning.costs`), and `solver` holds the planner's options for
-    clingo. A domain without actions can be planned and checked, but not run."""
+    clingo. Unless the domain is `conducted`, its teams act for themselves, and nobody conducts their steps. A domain
+    without actions can be planned and checked, but not run."""
 
     name: str
     story: str
@@ -48,6 +49,7 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     setup: dict[str, dict[str, Key]]
     kinds: dict[str, dict[str, Any]]
     actions: dict[str, dict[str, Any]]
+    conducted: bool = True
     exchanged: str = ""
     shared: dict[str, str] = {}
     geometry: dict[str, str] = {}

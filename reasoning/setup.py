@@ -57,12 +57,14 @@ class Refused:
 @dataclass(frozen=True)
 class Setup:
     """`static` are the domain's constants, `states[team]` the sensed fluents at the start, `workspaces[team]` a team's
-    floor. Teams in the scenario's order; entities by team, kind in the domain's order, and name."""
+    floor, `hidden[team]` what is true besides and no sensor shows: for the world alone. Teams in the scenario's order;
+    entities by team, kind in the domain's order, and name."""
 
     static: Mapping[str, Value]
     states: Mapping[str, State]
     entities: tuple[Entity, ...]
     workspaces: Mapping[str, Mapping[str, Value]]
+    hidden: Mapping[str, State]
 
 
 KeyPath = tuple[str | int, ...]
@@ -92,6 +94,7 @@ def _result(domain: Domain, teams: tuple[str, ...], atoms: Iterable[Atom]) -> Se
     static: dict[str, Value] = {}
     states: dict[str, dict[str, Value]] = {team: {} for team in teams}
     floors: dict[str, dict[str, Value]] = {team: {} for team in teams}
+    hidden: dict[str, dict[str, Value]] = {team: {} for team in teams}
     entities: list[Entity] = []
     errors: list[Wrong] = []
     for name, args in sorted(atoms, key=str):
@@ -100,6 +103,8 @@ def _result(domain: Domain, teams: tuple[str, ...], atoms: Iterable[Atom]) -> Se
                 static[str(key)] = value
             case "init", (team, fluent, value):
                 states[str(team)][str(fluent)] = value
+            case "hidden", (team, fluent, value):
+                hidden[str(team)][str(fluent)] = value
             case "workspace", (team, key, value):
                 floors[str(team)][str(key)] = value
             case "entity", (team, body, kind):
@@ -110,7 +115,7 @@ def _result(domain: Domain, teams: tuple[str, ...], atoms: Iterable[Atom]) -> Se
         return Refused(tuple(errors))
     kinds = list(domain.data.kinds)
     entities.sort(key=lambda e: (teams.index(e.team), kinds.index(e.kind), len(e.name), e.name))
-    return Setup(static, states, tuple(entities), floors)
+    return Setup(static, states, tuple(entities), floors, hidden)
 
 
 def _path(path: KeyPath) -> str:

@@ -32,13 +32,16 @@ class Execute(Body, frozen=True):
 class Executed(Body, frozen=True):
     """The step is over: what the team's sensors show now.
 
-    `findings` holds what inspections of this step found: ``{"c1": "broken"}`` or ``"sound"``.
+    `findings` holds what inspections of this step found: ``{"c1": "broken"}`` or ``"sound"``. `felt` is what robots
+    felt that did not do what they were to: ``blocked`` stopped before something in its way, or was held up,
+    ``too_heavy`` pulled and nothing moved, ``nothing_there`` grasped into the air.
     """
 
     team: Name
     step: Step
     state: State
     findings: dict[str, Literal["broken", "sound"]] = {}
+    felt: dict[str, Literal["blocked", "too_heavy", "nothing_there"]] = {}
 
 
 class Observe(Body, frozen=True):

@@ -30,7 +30,8 @@ def test_a_house_comes_to_constants_and_states() -> None:
     found = compile_setup(DOMAIN, GOOD)
     assert isinstance(found, Setup)
     assert found.static == {
-        "geometry": "none", "radius(robot)": 25, "radius(thing)": 12, "size(living_room)": "(4,3)",
+        "geometry": "none", "radius(robot)": 25, "radius(thing)": 12, "radius(person)": 25, "delay": 2,
+        "size(living_room)": "(4,3)",
         "area(living_room,living_room)": "(3,3,0,1)", "area(living_room,kitchen)": "(0,1,2,2)",
         "solid(living_room,nightstand)": "((100,0),(190,0),(190,100),(100,100))", "most(living_room,elapsed)": 20,
         "least(living_room)": "elapsed", "never(living_room,0)": "(r1,(0,0),(1,1))", "late(living_room,0)": "(rug,4)",
@@ -43,6 +44,25 @@ def test_a_house_comes_to_constants_and_states() -> None:
     }  # fmt: skip
     assert [entity.name for entity in found.entities] == ["r1", "r2", "a", "rug"]
     assert found.workspaces["T1"] == {"width": 4, "height": 3}
+    assert found.hidden["T1"] == {}
+
+
+def test_what_nobody_knows_at_the_start_is_hidden() -> None:
+    walk = [{"to": [2, 2], "after": 3}, {"to": [0, 2], "after": 5}]
+    found = compile_setup(
+        DOMAIN,
+        tables(
+            [robot("r1", 0, 0)],
+            heavy=[{"name": "rug", "kind": "cushion", "at": [2, 0], "end": [2, 1], "known": 0}],
+            persons=[{"name": "anna", "at": [0, 2], "stops": walk, "again": 9}],
+        ),
+    )
+    assert isinstance(found, Setup)
+    assert not {"end(rug)", "at(anna)", "kind(anna)"} & set(found.states["T1"])
+    assert found.hidden["T1"] == {
+        "end(rug)": "(2,1)", "at(anna)": "(0,2)", "kind(anna)": "person", "again(anna)": 9,
+        "stop(anna,0)": "(3,(2,2))", "stop(anna,1)": "(5,(0,2))",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -52,6 +72,8 @@ def test_a_house_comes_to_constants_and_states() -> None:
         ("robots", [robot("r1", 0, 0), robot("r2", 0, 0)], "a cell without another robot"),
         ("robots", [robot("a", 0, 0)], "a name that no other body of the team has"),
         ("robots", [robot("none", 0, 0)], "none is a word of the domain"),
+        ("persons", [{"name": "a", "at": [0, 2]}], "a name that no other body of the team has"),
+        ("persons", [{"name": "anna", "at": [0, 3]}], "a cell of the room: 0 to 3, 0 to 2"),
         ("things", [thing("a", 2, 1)], "a cell without another thing; rug lies there"),
         ("heavy", [{"name": "rug", "kind": "rug", "at": [1, 0], "end": [3, 0]}], "a cell beside (1,0)"),
         ("deposit", [3, 2, 0, 1], "an area [west, east, south, north] inside the room"),
