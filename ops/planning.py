@@ -20,7 +20,7 @@ from reasoning.checker import check
 from reasoning.costs import cheapest
 from reasoning.domain import load
 from reasoning.horizons import Asking, Shared
-from reasoning.ledger import Known, Ledger
+from reasoning.ledger import Known, Ledger, learned
 from reasoning.planner import Planner
 from reasoning.prospects import prospects
 from reasoning.setup import Setup
@@ -62,7 +62,7 @@ class _Team:
     plans: dict[Known, Plan] = field(default_factory=dict)
 
     def learn(self, answer: Answer) -> None:
-        known = shares.learned(answer)
+        known = learned(answer)
         if answer.plan is not None:
             self.plans[known] = answer.plan
         self.ledger = self.ledger.learn(known)

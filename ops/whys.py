@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ops.compile import DELAY
+from ops.shares import DELAY
 from ops.tables import InputError
 from ops.whyasker import Asker, Part
 from ops.whysubjects import Subject

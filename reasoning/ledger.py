@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Literal, NamedTuple
 
-from reasoning.values import Promises, Question, steps
+from reasoning.values import Answer, Promises, Question, promised, steps
 
 Verdict = Literal["yes", "no", "unknown"]
 
@@ -30,6 +30,16 @@ class Known(NamedTuple):
     cost: int = 0
     gave: Promises = ()
     took: Promises = ()
+
+
+def learned(answer: Answer) -> Known:
+    """A planner's answer as it is kept: a no is one to the easiest question of which it is proved."""
+    plan = answer.plan
+    if plan is None:
+        return Known(answer.easiest or answer.question, answer.verdict, cost=answer.conflicts)
+    at = plan.exchange[1] if plan.exchange else 0
+    gave, took = promised(plan.gave), promised(plan.took)
+    return Known(answer.question, answer.verdict, plan.makespan, at, answer.conflicts, gave, took)
 
 
 @dataclass(frozen=True)

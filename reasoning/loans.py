@@ -26,12 +26,14 @@ class Waiting(NamedTuple):
 @dataclass(frozen=True)
 class Market:
     """How robots come from team to team: the steps of transport between all teams or for each pair (giver, taker),
-    where a pair without them cannot exchange; the robots on the bench, by built name; and how many robots of each
-    kind, or of that kind, a team takes at most."""
+    where a pair without them cannot exchange; the robots on the bench, by built name; how many robots of each kind,
+    or of that kind, a team takes at most; and the steps after which a team can have a robot back from the bench that
+    it gave itself (None: never)."""
 
     delay: int | Mapping[tuple[str, str], int]
     bench: Mapping[str, Waiting] = field(default_factory=dict)
     most: int | Mapping[str, int] = 2
+    back: int | None = None
 
     def steps(self, giver: str, taker: str) -> int | None:
         """The steps from giving to taking at the least; None: never."""
@@ -44,9 +46,9 @@ class Market:
         return self.most if isinstance(self.most, int) else self.most.get(kind, 0)
 
     def ready(self, robot: str, taker: str) -> int | None:
-        """The first step in which a team can take a robot from the bench. Nobody takes its own back from there."""
+        """The first step in which a team can take a robot from the bench."""
         waiting = self.bench[robot]
-        travel = self.steps(waiting.giver, taker)
+        travel = self.back if waiting.giver == taker else self.steps(waiting.giver, taker)
         return None if travel is None else max(waiting.given + travel, 0)
 
     def first(self, taker: str, kind: str, givers: Iterable[str]) -> int:
