@@ -60,7 +60,8 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     On the floor of a room: ``follow`` drives along the way that the call's detail `way` gives, ``((x,y),...)`` in
     millimetres, in `units` periods; ``grasp`` takes hold of what the detail named `point` says (``GRIP(NAME,END)``),
     or else of what is there; ``release``; ``leave`` goes out by the door to `room`, ``enter`` comes in by the one to
-    the room that the robot, detail `robot`, came from.
+    the room that the robot, detail `robot`, came from. Who has the attribute `weak` grasps no heavy thing, who has one
+    that `needs` names only things with the attribute named there; a grasp sets the thing's attribute `clears` to 0.
     """
 
     skill: Literal[
@@ -80,6 +81,9 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     most: Count = 0
     point: str = ""
     counts: str = ""
+    weak: str = ""
+    needs: dict[str, str] = {}
+    clears: str = ""
 
 
 class Solid(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
