@@ -36,6 +36,11 @@ class Canvas:
             self._bits[row][column] |= BITS[y % DOWN][x % ACROSS]
             self._styles[row][column] = style
 
+    def clear(self, x: int, y: int) -> None:
+        column, row = x // ACROSS, y // DOWN
+        if 0 <= column < self.columns and 0 <= row < self.rows:
+            self._bits[row][column] &= ~BITS[y % DOWN][x % ACROSS]
+
     def line(self, start: Point, end: Point, style: str, every: int = 1) -> None:
         """A straight line, or with `every` > 1 only each such dot of it."""
         x, y = floor(start[0]), floor(start[1])

@@ -35,9 +35,12 @@ def bodies(model: Model) -> list[BodyFrame]:
         return list(model.frame.bodies)
     if model.scene is None:
         return []
+    rooms = {space.team for space in model.scene.workspaces if space.room}
     out = []
     for entity in model.scene.entities:
         x, y = _cell(entity.place)
+        if entity.team in rooms:  # cells begin at their number, and bodies are in the middle
+            x, y = x + 0.5, y + 0.5
         base = BodyFrame(entity.id, entity.name, entity.kind, entity.team, x, y, attributes=entity.attributes)
         out.append(base)
     return out

@@ -6,10 +6,12 @@ from collections.abc import Mapping
 
 from rich.text import Text
 
-from ops.dashboard import floor, words
+from ops.dashboard import floor, house, words
 from ops.dashboard.model import Model
 from ops.dashboard.text import Block, clean, ends, fit, joined, line
 from reasoning.words import count
+
+STATES = ((words.BROKEN, "bold red"), (" broken ", ""), (words.SUSPECT, "bold yellow"), (" suspected", ""))
 
 
 def header(model: Model, width: int, note: str = "") -> Block:
@@ -17,8 +19,9 @@ def header(model: Model, width: int, note: str = "") -> Block:
     scene = model.scene
     title = (scene.title or scene.domain) if scene else "waiting for a run"
     left = joined((" muster ", "bold reverse"), " ", (model.run, "bold"), "  " if model.run else "", (title, "dim"))
+    conducted = scene is None or scene.conducted  # else every team counts steps of its own
     last = max((s.start + len(s.plan) for s in model.statuses.values() if s.plan), default=0)
-    step = f"  step {model.step}" + (f"/{last}" if last >= model.step else "") if model.step >= 0 else ""
+    step = f"  step {model.step}" + (f"/{last}" if last >= model.step else "") if model.step >= 0 and conducted else ""
     clock = f"{model.now_s:.1f} s{step}"
     right = joined("  ", (note + "  " if note else "", "yellow"), (clock + " ", "bold"))
     return [ends(width, left, right), fit(verdict(model) if model.over else search(model), width)]
@@ -71,6 +74,8 @@ def _signs(model: Model) -> Text:
     scene = model.scene
     if scene is None:
         return Text("")
+    if house.is_house(scene):
+        return joined(*house.signs(model))
     parts: list[Text | str | tuple[str, str]] = []
     settling = next(iter(words.marks(scene)), "")
     for name, kind in scene.kinds.items():
@@ -81,8 +86,7 @@ def _signs(model: Model) -> Text:
             parts.append(f"{kind.prefix}1 {name} ")
             if kind.couples:
                 parts.append(f"{kind.prefix}1= {kind.couples} ")
-    parts += [(words.BROKEN, "bold red"), " broken ", (words.SUSPECT, "bold yellow"), " suspected ",
-              (floor.SHADE, "dim"), " " + words.place(scene, "dock")]  # fmt: skip
+    parts += [*STATES, " ", (floor.SHADE, "dim"), " " + words.place(scene, "dock")]
     return joined(*parts)
 
 
@@ -90,6 +94,8 @@ def _letters(model: Model, short: bool = False) -> Text:
     """The letters of values; a tool and what it makes share one where they share letter and colour. Short: only
     what is made."""
     scene = model.scene
+    if house.is_house(scene):
+        return joined(*house.SURROUNDINGS, "  ", *STATES)
     shared: dict[tuple[str, str], list[str]] = {}
     attributes = dict.fromkeys(words.shown(scene, kind) for kind in (scene.kinds if scene else {}))
     for attribute in attributes if not short else [words.worked(scene)]:

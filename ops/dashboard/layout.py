@@ -9,12 +9,16 @@ from rich.text import Text
 from ops.dashboard import panels
 from ops.dashboard.floor import Floor, floor, size
 from ops.dashboard.header import header, legend
+from ops.dashboard.home import home
+from ops.dashboard.house import is_house
 from ops.dashboard.model import Model
 from ops.dashboard.teams import Style, team
 from ops.dashboard.text import PLAIN, Block, beside, ends, line, sized
 
 MIN_WIDTH, MIN_HEIGHT = 40, 12
 WIDE = 120
+TALL, EVENTS_TALL, EVENTS_LOW = 36, 12, 6
+"""From so many lines on a screen is tall; lines for what is below a house, on a tall screen and on a low one."""
 KEYS = "tab team  q quit"
 
 
@@ -54,12 +58,20 @@ def render(model: Model, width: int, height: int, *, focus: str = "", note: str 
 def _screen(model: Model, width: int, height: int, focus: str, note: str, keys: str) -> Block:
     top = header(model, width, note)
     foot = legend(model, width, keys)
-    room = height - len(top) - len(foot) - 1
     teams = [focus] if focus in model.teams else list(model.teams)
-    floors = [floor(model, name) for name in teams]
-    middle, used = _teams(model, teams, floors, width, room)
+    if is_house(model.scene):
+        bench = panels.hallway(model, width)
+        room = height - len(top) - len(foot) - len(bench)
+        middle = home(model, teams, width, room - (EVENTS_TALL if height >= TALL else EVENTS_LOW))
+        used = len(middle)
+        if not middle:
+            middle, used = _summary(model, teams, width, max(room - 6, 2))
+    else:
+        bench = [panels.bench(model, width)]
+        room = height - len(top) - len(foot) - 1
+        middle, used = _teams(model, teams, [floor(model, name) for name in teams], width, room)
     below = _below(model, width, room - used)
-    return sized([*top, *middle, panels.bench(model, width), *below, *foot], width, height)
+    return sized([*top, *middle, *bench, *below, *foot], width, height)
 
 
 def _teams(model: Model, teams: list[str], floors: list[Floor | None], width: int, room: int) -> tuple[Block, int]:

@@ -31,6 +31,15 @@ def bench(model: Model, width: int) -> Text:
     return line(width, head, Text(" · ", style="dim").join(parts) if parts else ("empty", "dim"))
 
 
+def hallway(model: Model, width: int) -> Block:
+    """Who is on the way between two rooms; no line if nobody is."""
+    parts = [
+        joined(robot(model, b), (f" of {b.id.partition('.')[0]}", "")) for b in bodies(model) if b.place == "bench"
+    ]
+    head = joined((f" {words.place(model.scene, 'bench')} ", "dim"))
+    return [line(width, head, Text(" · ", style="dim").join(parts), (" under way", "cyan"))] if parts else []
+
+
 def events(model: Model, width: int, height: int) -> Block:
     """The last events, most recent at the bottom, each in at most two lines."""
     signs = joined(*(joined("  ", (f"{sign} {tone}", style)) for tone, (sign, style) in words.TONES.items()))

@@ -12,6 +12,8 @@ from ops.dashboard.model import Model
 from ops.dashboard.text import Block, beside, boxed, joined, line, sized, wrapped
 
 SILENT_S = 3.0
+CLOSE = 0.8
+"""Of the time to the deadline, when it is shown to run out."""
 AWAY = {"lost_contact": ("○", "lost contact", "bold yellow"), "died": ("✗", "died", "bold red"),
         "gave_up": ("✗", "given up", "bold red"), "stopped": ("○", "stopped", "dim")}  # fmt: skip
 
@@ -44,6 +46,8 @@ def team(model: Model, name: str, ground: Floor | None, width: int, height: int,
     status = model.statuses.get(name)
     title, right, style = _team_head(model, name, status, ground, width)
     inner, rows = width - 2, height - 1
+    facts = told(status, inner)[:rows]
+    rows -= len(facts)
     drawing = draw(model, ground, look.cell, look.ruled) if ground and look.cell else []
     broad = max((text.cell_len for text in drawing), default=0)
     if look.side and drawing:
@@ -54,7 +58,7 @@ def team(model: Model, name: str, ground: Floor | None, width: int, height: int,
         pad = (inner - broad) // 2 if drawing else 0
         drawing = [line(inner, " " * pad, text) for text in drawing]
         content = drawing + plan(status, inner, rows - len(drawing))
-    return boxed(content, width, height, title, right, style)
+    return boxed(facts + content, width, height, title, right, style)
 
 
 def _team_head(
@@ -72,6 +76,38 @@ def _team_head(
     if title.cell_len + right.cell_len + 7 > width:  # what it is doing matters more
         right = Text("")
     return title, right, tone if state and tone != "dim" else style
+
+
+def told(status: Status | None, width: int) -> Block:
+    """A line for the time, if the team counts it, and one for the help that is under way, if there is any."""
+    if status is None:
+        return []
+    out: Block = []
+    if status.elapsed >= 0:
+        late = " deadline missed" if 0 < status.deadline < status.elapsed else ""
+        bar = max(min(width - 17 - len(late), 40), 4)
+        out.append(line(width, " time  ", clock(status, bar), (late, "bold red")))
+    if status.helping:
+        out.append(line(width, (" help  ", ""), (f"» {status.helping}", "cyan")))
+    return out
+
+
+def clock(status: Status, bar: int) -> Text:
+    """``14/25 ━━━━────`` units of time of the deadline, or ``14 units``; nothing if the team does not count."""
+    if status.elapsed < 0:
+        return joined("")
+    if not status.deadline:
+        return joined(f"{status.elapsed:>2} units")
+    share = min(status.elapsed / status.deadline, 1.0)
+    style = "bold red" if status.elapsed > status.deadline else "yellow" if share > CLOSE else "green"
+    done = round(share * bar)
+    return joined((f"{status.elapsed:>2}/{status.deadline} ", style), ("━" * done, style), ("─" * (bar - done), "dim"))
+
+
+def at_work(status: Status) -> str:
+    """The actions of the plan's current step; nothing if there is none."""
+    now = status.step - status.start
+    return "  ".join(status.plan[now]) if 0 <= now < len(status.plan) and not status.finished else ""
 
 
 def plan(status: Status | None, width: int, rows: int) -> Block:

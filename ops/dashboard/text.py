@@ -12,7 +12,9 @@ Part = str | tuple[str, str] | Text
 Block = list[Text]
 
 # For terminals that cannot show more than ASCII.
-PLAIN = str.maketrans(dict(zip("┌┐└┘├┤┬┴┼─│═░·…✗●○▶→←✓»", "+++++++++-|=:.~xo.>><v>", strict=True)))
+SIGNS = dict(zip("┌┐└┘├┤┬┴┼─│═░·…✗●○▶→←↑↓✓»━", "+++++++++-|=:.~xo.>><^vv>=", strict=True))
+BRAILLE = {chr(0x2800 + bits): " .::+++##"[bits.bit_count()] for bits in range(256)}
+PLAIN = str.maketrans(SIGNS | BRAILLE)
 
 
 @lru_cache(maxsize=4096)

@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache
 from time import process_time
 
 import msgspec
 import pytest
 from rich.cells import cell_len
-from rich.console import Console
 
 from bus.messages import Beat, BodyFrame, Envelope, Event, Exchange, Frame, Status
-from bus.scene import Scene
 from ops.dashboard import Model, render, update
 from ops.dashboard.screen import focused, split_keys
 from ops.dashboard.text import clean, wrapped
+from tests.ops.pictures import folded, picture
 from tests.ops.synthetic import scene, story
 
 SIZES = [(80, 24), (120, 40), (160, 50), (200, 60)]
-
-
-def folded(messages: Iterable[Scene | Envelope], model: Model | None = None) -> Model:
-    model = model or Model()
-    for i, message in enumerate(messages):
-        model = update(model, message, i * 0.01)
-    return model
 
 
 @lru_cache
@@ -39,19 +30,6 @@ def said(source: str, body: object, at_s: float = 1.0) -> Envelope:
 
 def event(kind: str, source: str = "T1", **data: object) -> Envelope:
     return said(source, Event(kind, data))
-
-
-def picture(model: Model, width: int, height: int, **more: str) -> list[str]:
-    """The lines as a terminal of that size shows them; they must fit exactly."""
-    text = render(model, width, height, **more)  # type: ignore[arg-type]
-    lines = text.plain.split("\n")
-    assert len(lines) == height
-    assert {cell_len(line) for line in lines} == {width}
-    console = Console(width=width, height=height, color_system=None, force_terminal=False)
-    with console.capture() as capture:
-        console.print(text, end="")
-    assert [line.rstrip() for line in capture.get().split("\n")] == [line.rstrip() for line in lines]
-    return lines
 
 
 @pytest.mark.parametrize(("width", "height"), [*SIZES, (40, 12), (63, 17), (131, 29), (300, 90)])
