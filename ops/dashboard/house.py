@@ -131,8 +131,8 @@ class _Inside:
         self._role = {b.id: scene.kinds[b.kind].role if b.kind in scene.kinds else "object" for b in self._here}
         self._radius = {b.id: scene.kinds[b.kind].radius_m if b.kind in scene.kinds else 0.1 for b in self._here}
         self._heavy = {e.id for e in scene.entities if e.end}
-        everyone = sorted(b.id for b in bodies(model))
-        self._tone = {name: ROBOTS[i % len(ROBOTS)] for i, name in enumerate(everyone)}
+        robots = sorted(e.id for e in scene.entities if scene.kinds[e.kind].role == "robot")
+        self._tone = {name: ROBOTS[i % len(ROBOTS)] for i, name in enumerate(robots)}
         self._taken: set[tuple[int, int]] = set()
 
     def draw(self) -> None:
@@ -142,7 +142,7 @@ class _Inside:
         for body in order:
             if self._role[body.id] == "robot" and body.name in ways:
                 points = [self._inside(x, y) for x, y in remaining(ways[body.name], (body.x_m, body.y_m))]
-                self._canvas.path(points, self._tone[body.id], every=RHYTHM)
+                self._canvas.path(points, self._tone.get(body.id, ROBOTS[0]), every=RHYTHM)
         for body in order:
             self._body(body)
         held = {self._holds(b) for b in order}
@@ -167,7 +167,7 @@ class _Inside:
     def _style(self, body: BodyFrame) -> str:
         role = self._role[body.id]
         if role == "robot":
-            return "bold red" if body.broken else f"bold {self._tone[body.id]}"
+            return "bold red" if body.broken else f"bold {self._tone.get(body.id, ROBOTS[0])}"
         return PERSON if role == "person" else HEAVY if body.id in self._heavy else THING
 
     def _body(self, body: BodyFrame) -> None:
