@@ -40,8 +40,8 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     without them what kind of body it is; `rules` gives the checker's rules in plain words, `why` the members of a clash
     (`reasoning.why`). `geometry` names the constants that describe rooms (see `reasoning.geometry`), `costs` those by
     which plans of the shortest length are compared (`reasoning.costs`), and `solver` holds the planner's options for
-    clingo. Unless the domain is `conducted`, its teams act for themselves, and nobody conducts their steps. A domain
-    without actions can be planned and checked, but not run."""
+    clingo. Unless the domain is `conducted`, its teams act for themselves, and nobody conducts their steps: `autonomy`
+    names what they must know for that. A domain without actions can be planned and checked, but not run."""
 
     name: str
     story: str
@@ -54,6 +54,7 @@ class Description(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     shared: dict[str, str] = {}
     geometry: dict[str, str] = {}
     costs: dict[str, str] = {}
+    autonomy: dict[str, str] = {}
     display: dict[str, Any] = {}
     rules: dict[str, str] = {}
     why: dict[str, dict[str, str]] = {}

@@ -28,6 +28,7 @@ NARROW: dict[str, Any] = {"furniture": [NIGHTSTAND, SHELF]}
 LATE = problem([robot("r1", 0, 0)], [thing("book", 0, 0)], late=[{"thing": "book", "steps": 2}])
 FEW = problem([robot("r1", 1, 1)], [thing("book", 1, 1)])
 FEW = type(FEW)(DOMAIN, {**FEW.static, "most(living_room,attaches)": 0}, FEW.state)
+NOT_YET = type(FEW)(DOMAIN, {**ONE.static, "away(living_room,0)": "(r1,3)"}, ONE.state)
 ROW = problem(GAP, [thing("a", 1, 0), thing("b", 1, 1), thing("c", 1, 2)])
 BROAD = type(ROW)(DOMAIN, {**ROW.static, "radius(thing)": 40}, ROW.state)
 BROKEN = {
@@ -45,6 +46,7 @@ BROKEN = {
     "attach_heavy": (WEAK, "attach(r1)"),
     "detach_free": (ONE, "detach(r1)"),
     "early": (LATE, "attach(r1) | goto(r1,1,0) | goto(r1,3,0) | detach(r1)"),
+    "away": (NOT_YET, "goto(r1,1,0)"),
     "same_cell": (AT, "goto(r2,2,2) goto(r1,2,2)"),
     "cell_taken": (AT, "goto(r2,1,1)"),
     "goal_place": (ONE, ""),
