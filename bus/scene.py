@@ -156,11 +156,19 @@ class Fault(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     args: dict[str, Value | float] = {}
 
 
+class Transport(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """From one team to another a robot that was given can be taken after so many steps at the earliest."""
+
+    giver: Name
+    taker: Name
+    steps: Annotated[int, msgspec.Meta(ge=1)]
+
+
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The whole world at its start. `title` and `display` are for people alone: `display` gives the words for
-    values, attribute -> value -> word (``{"effector": {"1": "painter"}}``), and under ``places`` for ``dock``,
-    ``line`` and ``bench``. `conducted`: somebody conducts the teams' steps, which are carried out together; else every
-    team has periods of its own."""
+    """The whole world at its start. Transport takes `transport_delay_steps`, but for `transports`. `title` and
+    `display` are for people alone: `display` gives the words for values, attribute -> value -> word
+    (``{"effector": {"1": "painter"}}``), and under ``places`` for ``dock``, ``line`` and ``bench``. `conducted`:
+    somebody conducts the teams' steps, which are carried out together; else every team has periods of its own."""
 
     domain: Name
     seed: int
@@ -173,6 +181,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     workspaces: tuple[Workspace, ...]
     entities: tuple[Entity, ...]
     faults: tuple[Fault, ...] = ()
+    transports: tuple[Transport, ...] = ()
     conducted: bool = True
     title: str = ""
     display: dict[str, dict[str, str]] = {}
