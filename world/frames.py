@@ -28,8 +28,8 @@ def frame(truth: Truth, doing: Mapping[str, str]) -> Frame:
     return Frame(truth.tick * truth.scene.dt_s, truth.step, tuple(bodies))
 
 
-def membership(truth: Truth) -> dict[str, object]:
-    """Who belongs where, and how far each object is: data of the event of that name."""
+def membership(truth: Truth, step: int) -> dict[str, object]:
+    """Who belongs where, and how far each object is, after a step: data of the event of that name."""
     robots: dict[str, list[str]] = {}
     objects: dict[str, dict[str, object]] = {}
     for thing in truth.things.values():
@@ -38,4 +38,4 @@ def membership(truth: Truth) -> dict[str, object]:
             robots[thing.id] = [thing.place, thing.name]
         elif thing.place in truth.layout.spaces:
             objects[thing.id] = {kind.place: truth.line(thing), **thing.attributes}
-    return {"step": truth.step, "robots": robots, "objects": objects}
+    return {"step": step, "robots": robots, "objects": objects}

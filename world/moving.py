@@ -13,7 +13,7 @@ from math import dist
 from world.handling import fits, holds
 from world.motion import Motion, route
 from world.tasks import Cell, Task, able
-from world.truth import BENCH, MOVING, Thing, Truth
+from world.truth import BENCH, MOVING, Given, Thing, Truth
 
 STEPS: dict[str, Cell] = {"up": (0, 1), "down": (0, -1), "left": (-1, 0), "right": (1, 0)}
 SETTLED_M = 0.005
@@ -138,6 +138,7 @@ def begin_depart(truth: Truth, task: Task) -> str:
 
 def end_depart(truth: Truth, task: Task) -> str:
     assert task.robot is not None
+    task.robot.given = Given(task.team, truth.tick)
     truth.belongs(task.robot, BENCH, task.robot.id)
     return ""
 
@@ -148,6 +149,11 @@ def begin_arrive(truth: Truth, task: Task) -> str:
     x, y = task.whole("x"), task.whole("y")
     if robot is None or robot.place != BENCH or truth.travels(robot):
         return f"{wanted} is not on the bench"
+    if (
+        robot.given
+        and truth.tick < robot.given.tick + (truth.transport(robot.given.team, task.team) - 1) * truth.period
+    ):
+        return f"{wanted} is still on its way to {task.team}"
     layout = truth.layout
     if x is None or y is None or x != layout.spaces[task.team].dock_column or not layout.in_grid(task.team, x, y):
         return f"({x},{y}) is not in the dock"
@@ -188,7 +194,7 @@ def end_convey(truth: Truth, task: Task) -> str:
 # ---------------------------------------------------------------- off they go
 def launch(truth: Truth, motion: Motion, tasks: Iterable[Task]) -> None:
     """Set everybody moving whose task did not fail."""
-    now, period, delay = truth.tick, truth.period, truth.scene.transport_delay_steps
+    now, period = truth.tick, truth.period
     for task in tasks:
         if task.failed:
             continue
@@ -206,7 +212,8 @@ def launch(truth: Truth, motion: Motion, tasks: Iterable[Task]) -> None:
                 start = truth.floor.where(robot.id)
                 truth.floor.solid(robot.id, False)
                 if task.goal is None:
-                    last = now + round((max(delay, 1) - TRANSPORT_MARGIN) * period)
+                    delay = max(truth.transport(task.team), 1)
+                    last = now + round((delay - TRANSPORT_MARGIN) * period)
                     robot.route = route(start, truth.layout.to_bench(robot.id, start), now, last)
                 else:
                     end = truth.layout.cell(task.team, *task.goal)

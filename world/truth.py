@@ -32,9 +32,17 @@ class Leg(msgspec.Struct, frozen=True):
     ramp: int
 
 
+class Given(msgspec.Struct):
+    """A robot was given by this team, in a step that ended at this tick."""
+
+    team: str
+    tick: int
+
+
 class Thing(msgspec.Struct, omit_defaults=True):
     """A body. `place` is its team, ``bench`` or ``gone``; `name` what it is called there. `marks` are attributes that
-    fall back to 0 at a tick; `route` is its way along the lane. Positions are filled in for saving alone."""
+    fall back to 0 at a tick; `route` is its way along the lane, `given` how it came to be on the bench. Positions are
+    filled in for saving alone."""
 
     id: str
     kind: str
@@ -45,6 +53,7 @@ class Thing(msgspec.Struct, omit_defaults=True):
     partner: str = ""
     marks: dict[str, int] = {}
     route: list[Leg] = []
+    given: Given | None = None
     at: Point = (0.0, 0.0)
     velocity: Point = (0.0, 0.0)
 
@@ -175,6 +184,13 @@ class Truth:
     def travels(self, thing: Thing) -> bool:
         """Whether it is still on its way along the lane."""
         return bool(thing.route) and thing.route[-1].stop + thing.route[-1].ramp >= self.tick
+
+    def transport(self, giver: str, taker: str = "") -> int:
+        """The steps that a robot takes from team to team; to the bench as many as to the nearest team."""
+        usual = self.scene.transport_delay_steps
+        others = {(t.giver, t.taker): t.steps for t in self.scene.transports}
+        takers = [taker] if taker else [team for team in self.layout.spaces if team != giver]
+        return min((others.get((giver, team), usual) for team in takers), default=usual)
 
     def lie_on_line(self, thing: Thing, position: int) -> None:
         """It lies at this position. While the line stands nothing can move it: it takes no part in physics."""

@@ -8,6 +8,7 @@ from math import dist
 import pytest
 
 from tests.world.stage import Stage, hand, scene, tug
+from world.motion import Motion
 
 
 @pytest.mark.parametrize(
@@ -115,7 +116,8 @@ def test_there_are_walls(direction: str) -> None:
 def test_who_is_run_into_stays_where_it_is_and_who_runs_stops() -> None:
     """Physics alone, as when something is in the way that a robot could not see."""
     stage = Stage(scene(hand("A", "h1", 1, 2), hand("A", "h2", 2, 2)))
-    truth, motion = stage.world.truth, stage.world.motion
+    truth = stage.world.truth
+    motion = Motion(truth)
     motion.hop(truth.things["A.h1"], truth.layout.cell("A", 2, 2))
     for tick in range(100):
         truth.tick = tick
