@@ -6,6 +6,7 @@ from math import dist
 
 import pytest
 
+from bus.scene import Transport
 from tests.world.stage import Stage, call, hand, scene, tug
 
 
@@ -138,3 +139,15 @@ def test_a_robot_may_begin_on_the_bench() -> None:
     stage = Stage(scene(Entity("A.h1", "A", "h1", "hand", "bench", {"tool": 1})))
     assert stage.state() == {}
     assert stage.step(0, A=[call("take(h4,1,1)", robot="A.h1")])["A"].state["at(h4)"] == "(1,1)"
+
+
+def test_transport_may_take_longer_to_one_team_than_to_another() -> None:
+    stage = stage_with(transports=(Transport("A", "C", 3),))
+    stage.step(0, A="give(h1)")
+    stage.step(1)
+    assert stage.step(2, C=[call("take(h2,1,3)", robot="A.h1")])["C"].state == {}
+    assert stage.reasons() == ["A.h1 is still on its way to C"]
+    assert stage.step(3, C=[call("take(h2,1,3)", robot="A.h1")])["C"].state["at(h2)"] == "(1,3)"
+    stage = stage_with(transports=(Transport("A", "C", 1),))
+    stage.step(0, A="give(h1)")
+    assert stage.step(1, C=[call("take(h2,1,3)", robot="A.h1")])["C"].state["at(h2)"] == "(1,3)"
