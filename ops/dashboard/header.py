@@ -8,10 +8,10 @@ from rich.text import Text
 
 from ops.dashboard import floor, house, words
 from ops.dashboard.model import Model
-from ops.dashboard.text import Block, clean, ends, fit, joined, line
+from ops.dashboard.text import Block, clean, ends, fit, joined
 from reasoning.words import count
 
-STATES = ((words.BROKEN, "bold red"), (" broken ", ""), (words.SUSPECT, "bold yellow"), (" suspected", ""))
+LEGEND_LINES = 2
 
 
 def header(model: Model, width: int, note: str = "") -> Block:
@@ -51,9 +51,9 @@ def search(model: Model) -> Text:
     if 0 <= status.best <= least:
         parts.append((f" · {count(status.best, 'step')}{since}, proved shortest", "green"))
     elif status.best >= 0:
-        parts.append((f" · {count(status.best, 'step')}{since}, at least {least}, gap {status.best - least}", "yellow"))
+        parts.append((f" · best {status.best}, at least {least}, gap {status.best - least}", "yellow"))
     elif status.bound >= 0:
-        parts.append((f" · at least {count(least, 'step')}", ""))
+        parts.append((f" · no plan yet, at least {least}", "yellow"))
     if status.questions:
         parts.append((f" · {count(status.questions, 'question')}", ""))
     return joined(*parts)
@@ -61,49 +61,58 @@ def search(model: Model) -> Text:
 
 def legend(model: Model, width: int, keys: str) -> Block:
     """What the signs mean, in the scene's own words: one line if it is long enough, otherwise two."""
-    signs, letters = _signs(model), _letters(model)
     right = joined((keys + " ", "dim"))
-    if letters.cell_len + right.cell_len + 2 > width:
-        letters = _letters(model, short=True)
-    if signs.cell_len + letters.cell_len + right.cell_len + 3 <= width:
-        return [ends(width, joined(" ", signs, "  ", letters), right)]
-    return [line(width, " ", signs), ends(width, joined(" ", letters), right)]
+    full, short = (_packed([*_signs(model), *_letters(model, less)], width, right.cell_len) for less in (False, True))
+    lines = full if len(full) <= LEGEND_LINES else short[:LEGEND_LINES]
+    return [*(fit(text, width) for text in lines[:-1]), ends(width, lines[-1], right)]
 
 
-def _signs(model: Model) -> Text:
+def _packed(entries: list[Text], width: int, reserved: int) -> Block:
+    """As many entries in each line as it holds, with so many cells left free at the end of the last."""
+    lines = [Text("")]
+    for entry in entries:
+        if lines[-1].cell_len + 1 + entry.cell_len > width:
+            lines.append(Text(""))
+        lines[-1] = joined(lines[-1], " ", entry)
+    return lines if lines[-1].cell_len + 2 + reserved <= width else [*lines, Text("")]
+
+
+def _signs(model: Model) -> list[Text]:
+    """Those of the kinds of bodies that there are, and of places and states."""
     scene = model.scene
     if scene is None:
-        return Text("")
+        return []
+    states = [joined((words.BROKEN, "bold red"), " broken"), joined((words.SUSPECT, "bold yellow"), " suspected")]
     if house.is_house(scene):
-        return joined(*house.signs(model))
-    parts: list[Text | str | tuple[str, str]] = []
+        return [*house.signs(scene), *states]
+    out: list[Text] = []
     settling = next(iter(words.marks(scene)), "")
+    there = {entity.kind for entity in scene.entities}
     for name, kind in scene.kinds.items():
+        if name not in there:
+            continue
         if kind.role == "object":
             sign, meaning = (words.MARKED, f", {settling}") if settling else ("", "")
-            parts.append(f"[{kind.prefix}1{sign}] {name}{meaning} ")
+            out.append(joined(f"[{kind.prefix}1{sign}] {name}{meaning}"))
         else:
-            parts.append(f"{kind.prefix}1 {name} ")
+            out.append(joined(f"{kind.prefix}1 {name}"))
             if kind.couples:
-                parts.append(f"{kind.prefix}1= {kind.couples} ")
-    parts += [*STATES, " ", (floor.SHADE, "dim"), " " + words.place(scene, "dock")]
-    return joined(*parts)
+                out.append(joined(f"{kind.prefix}1= {kind.couples}"))
+    return [*out, *states, joined((floor.SHADE, "dim"), " " + words.place(scene, "dock"))]
 
 
-def _letters(model: Model, short: bool = False) -> Text:
+def _letters(model: Model, short: bool) -> list[Text]:
     """The letters of values; a tool and what it makes share one where they share letter and colour. Short: only
     what is made."""
     scene = model.scene
-    if house.is_house(scene):
-        return joined(*house.SURROUNDINGS, "  ", *STATES)
+    if scene is None or house.is_house(scene):
+        return []
     shared: dict[tuple[str, str], list[str]] = {}
-    attributes = dict.fromkeys(words.shown(scene, kind) for kind in (scene.kinds if scene else {}))
+    attributes = dict.fromkeys(words.shown(scene, kind) for kind in scene.kinds)
     for attribute in attributes if not short else [words.worked(scene)]:
-        for value in (scene.display if scene else {}).get(attribute, {}):
+        for value in scene.display.get(attribute, {}):
             number = int(value) if value.lstrip("-").isdigit() else value
             sign = words.letter(scene, attribute, number), words.colour(scene, attribute, number)
             shared.setdefault(sign, []).append(words.word(scene, attribute, number))
-    parts: list[tuple[str, str]] = []
-    for (letter, style), meanings in sorted(shared.items(), key=lambda item: words.COLOURS.index(item[0][1])):
-        parts += [(letter, f"bold {style}"), (f" {'/'.join(meanings)} ", style)]
-    return joined(*parts)
+    order = sorted(shared.items(), key=lambda item: words.COLOURS.index(item[0][1]))
+    return [joined((letter, f"bold {style}"), (f" {'/'.join(meanings)}", style)) for (letter, style), meanings in order]

@@ -7,13 +7,15 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import ceil, cos, dist, floor, sin
 
+from rich.text import Text
+
 from bus.messages import BodyFrame
 from bus.scene import Scene, Workspace
 from ops.dashboard.canvas import ACROSS, DOWN, Canvas, Point
 from ops.dashboard.floor import bodies, robot
 from ops.dashboard.model import Model
 from ops.dashboard.rooms import Door, Room, View, extent
-from ops.dashboard.text import Block, clean
+from ops.dashboard.text import Block, clean, joined
 
 WALL, TALL, LOW, DOOR = "white", "bright_black", "bright_black", "bold green"
 THING, HEAVY, PERSON, HELD, GUEST = "yellow", "bold yellow", "bold magenta", "=", "»"
@@ -31,18 +33,18 @@ def is_house(scene: Scene | None) -> bool:
     return scene is not None and any(space.room for space in scene.workspaces)
 
 
-def signs(model: Model) -> list[tuple[str, str]]:
-    """What stands for whom, with its colour, for the legend."""
+def signs(scene: Scene) -> list[Text]:
+    """What stands for whom and what, for the legend."""
     marks = {"robot": ("⣶", ROBOTS[0]), "object": ("⡄", THING), "person": ("⣶", PERSON)}
-    out: list[tuple[str, str]] = []
-    for name, kind in model.scene.kinds.items() if model.scene else ():
-        out += [(marks[kind.role][0], marks[kind.role][1]), (f" {name} ", "")]
-    return [*out, (f"r1{HELD}x", ROBOTS[0]), (" holds x ", ""), (f"{GUEST}r1", ROBOTS[0]), (" of another room ", "")]
-
-
-SURROUNDINGS = (("⠂⠐⠠", ROBOTS[0]), (" way ", ""), ("⣿", TALL), (" tall ", ""), ("⢕", LOW), (" low ", ""), ("↑", DOOR),
-                (" door", ""))  # fmt: skip
-"""The other signs."""
+    there = {entity.kind for entity in scene.entities}
+    return [
+        *(joined(marks[kind.role], f" {name}") for name, kind in scene.kinds.items() if name in there),
+        joined((f"r1{HELD}x", ROBOTS[0]), " holds x"),
+        joined((f"{GUEST}r1", ROBOTS[0]), " of another room"),
+        joined(("⠂⠐⠠", ROBOTS[0]), " way"),
+        joined(("⣿", TALL), ("⢕", LOW), " furniture, tall or low"),
+        joined(("↑", DOOR), " door"),
+    ]
 
 
 def room(space: Workspace) -> Room:

@@ -16,19 +16,23 @@ def bench(model: Model, width: int) -> Text:
     """Who is on the bench, and which robots are lent or will be."""
     everybody = bodies(model)
     loans = {e.robot: e for s in model.statuses.values() for e in s.exchanges}
-    parts: list[Text] = []
+    there: list[Text] = []
     for body in (b for b in everybody if b.place == "bench"):
         loan = loans.pop(body.id, None)
         where = f" under way {loan.giver}→{loan.taker}, there at step {loan.take_step}" if loan else " waits"
-        parts.append(joined(robot(model, body), (where, "cyan")))
+        there.append(joined(robot(model, body), (where, "cyan")))
     home = {b.id: b.place for b in everybody}
+    lent: list[Text] = []
     for loan in loans.values():
         arrived = home.get(loan.robot) == loan.taker
         when = "arrived" if arrived else f"steps {loan.give_step}→{loan.take_step}"
         text = f"{loan.worker} {loan.giver}→{loan.taker} as {loan.known_as} ({when})"
-        parts.append(joined((text, "dim" if arrived else "")))
-    head = joined((f" {words.place(model.scene, 'bench')} ", "dim"))
-    return line(width, head, Text(" · ", style="dim").join(parts) if parts else ("empty", "dim"))
+        lent.append(joined((text, "dim" if arrived else "")))
+    dot = Text(" · ", style="dim")
+    parts = [joined((f" {words.place(model.scene, 'bench')} ", "dim"), dot.join(there) if there else ("empty", "dim"))]
+    if lent:
+        parts.append(joined(("  loans ", "dim"), dot.join(lent)))
+    return line(width, *parts)
 
 
 def hallway(model: Model, width: int) -> Block:

@@ -150,6 +150,16 @@ def test_the_verdict_is_shown_at_the_end() -> None:
     assert "no painter" in picture(lost, 80, 24)[1]
 
 
+def test_the_search_is_told_while_it_goes_on() -> None:
+    """What is proved, what is found and what lies between, within the narrowest screen that is promised."""
+    asking = Status("coordinator", "asking about 23 steps", bound=20, questions=35)
+    for best, words in ((-1, "no plan yet, at least 20"), (27, "best 27, at least 20, gap 7")):
+        model = folded([said("coordinator", msgspec.structs.replace(asking, best=best))])
+        assert f"asking about 23 steps · {words} · 35 questions" in picture(model, 80, 24)[1]
+    model = folded([said("coordinator", msgspec.structs.replace(asking, best=27, bound=27))])
+    assert "27 steps, proved shortest" in picture(model, 80, 24)[1]
+
+
 def test_that_a_person_is_needed_stands_out() -> None:
     text = "a person is needed: T1 died 6 times"
     model = folded([event("needs_person", "supervisor", cause="gave_up", text=text)], made_up(2))
