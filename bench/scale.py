@@ -1,22 +1,25 @@
 """How many teams a machine carries: ``python -m bench.scale``, or ``muster bench scale``.
 
-For each number of teams, real ``python -m agents.team`` processes start together behind one router. Ready is a team
-that has loaded its domain, opened its journal and joined the clock; then they idle, and memory and CPU are read.
+For each number of teams, real team processes start together behind one router, as ``muster run`` starts them: by the
+supervisor, whose nursery has yet to be started. Ready is a team that has loaded its domain, opened its journal and
+joined the clock; then they idle, and memory and CPU are read.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 import tempfile
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from bench.loopback import child, free_endpoint, ready
+from bench.loopback import free_endpoint
 from bus.clock import run_world, wall_s
 from bus.messages import Envelope
 from bus.node import Node, NodeConfig, open_node
+from ops.processes import ROUTER, Layout, commands, nursery
+from ops.supervisor import Supervisor
 
 SIZES = (4, 16, 64)
 DOMAIN = "factory"
@@ -71,23 +74,28 @@ class _Watch:
 def _measure(size: int) -> dict[str, float]:
     names = tuple(f"T{number}" for number in range(1, size + 1))
     endpoint = free_endpoint()
-    with tempfile.TemporaryDirectory() as home, ExitStack() as stack:
-        router = stack.enter_context(child("bus.router", "--connect", endpoint))
-        ready(router)
-        node = stack.enter_context(open_node(NodeConfig("scale", "world", endpoint, mode="realtime")))
-        watch = _Watch(node, size)
-        start_wall_s = wall_s()
-        for name in names:
-            setup = Path(home, f"{name}.json")
-            setup.write_text(json.dumps({"domain": DOMAIN, "team": name, "static": {}}))
-            options = {"run": "scale", "name": name, "connect": endpoint, "home": home, "setup": str(setup)}
-            words = [word for option, value in options.items() for word in (f"--{option}", value)]
-            team = stack.enter_context(child("agents.team", *words, "--clock", "realtime"))
-            watch.pids.append(team.pid)
-        run_world(
-            node, watch, participants=names, mode="realtime", return_s=60.0, lease_s=60.0, on_contact=watch.contact
-        )
-        return {"ready_s": watch.ready_after_s(start_wall_s), **watch.figures, "router_mb": _pss_mb(router.pid)}
+    with tempfile.TemporaryDirectory() as folder, Supervisor(wall_s, lambda *_: None) as boss:
+        home = Path(folder)
+        layout = Layout("scale", names, endpoint, home, home, home, clock="realtime", python=sys.executable)
+        command = commands(layout)
+        boss.launch(ROUTER, command[ROUTER], home / "router.log")
+        with open_node(NodeConfig("scale", "world", endpoint, mode="realtime")) as node:
+            watch = _Watch(node, size)
+            start_wall_s = wall_s()
+            boss.nurse(nursery(sys.executable), home / "nursery.log")
+            for name in names:
+                setup = {"domain": DOMAIN, "team": name, "static": {}}
+                (home / f"{name}.json").write_text(json.dumps(setup))
+                boss.launch(name, command[name], home / f"{name}.log")
+                watch.pids.append(boss.table[name].pid)
+            run_world(
+                node, watch, participants=names, mode="realtime", return_s=60.0, lease_s=60.0, on_contact=watch.contact
+            )
+        return {
+            "ready_s": watch.ready_after_s(start_wall_s),
+            **watch.figures,
+            "router_mb": _pss_mb(boss.table[ROUTER].pid),
+        }
 
 
 def _cpu_s(pid: int) -> float:

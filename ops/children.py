@@ -47,6 +47,10 @@ class Children:
         """The keeper's process id."""
         return self._keeper.pid
 
+    def nurse(self, argv: Sequence[str], log: Path) -> None:
+        """From now on a nursery makes processes ready where it can; see `ops.processes.nursery`."""
+        self._order({"do": "nurse", "argv": list(argv), "log": str(log), "env": environment()})
+
     def start(self, name: str, argv: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
         """Start a child; its output is appended to `log`. The outcome comes as a report."""
         whole = {**environment(), **(env or {})}

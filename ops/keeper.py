@@ -3,10 +3,12 @@
 The supervisor talks to it in lines of JSON over pipes. Why a process of its own: starting children needs a fork,
 which does not go together with an open Zenoh session; and a supervisor that is killed with -9 cannot clean up, but its
 pipe closes, and the keeper sees that. The keeper has one thread, imports the standard library alone, and starts every
-child in a session (hence process group) of its own. On Linux children also get SIGKILL if the keeper itself is killed.
+child in a session (hence process group) of its own. On Linux children also get SIGKILL if the keeper itself is killed,
+and those that a nursery can make ready (`ops.nursing`) are asked for there first.
 
 Orders, on standard input::
 
+    {"do": "nurse", "argv": [...], "log": "/path/nursery.log", "env": {...}}
     {"do": "start", "name": "T1", "argv": [...], "log": "/path/T1.log", "env": {...}}
     {"do": "signal", "name": "T1", "signal": 9, "number": 17}
 
@@ -33,7 +35,9 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-_PR_SET_PDEATHSIG = 1
+from ops.nursing import Nursery
+
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 class Keeper:
@@ -44,46 +48,67 @@ class Keeper:
         self._names: dict[int, str] = {}
         self._pids: dict[str, int] = {}
         self._before_exec = _die_with_parent()
+        self._nursery: Nursery | None = None
 
     def obey(self, order: dict[str, Any]) -> None:
         """Carry out one order; what cannot be done is reported or, for a child that is gone, ignored."""
         if order["do"] == "start":
             self._start(order)
+        elif order["do"] == "nurse":
+            self._nurse(order)
         elif order["do"] == "signal":
             if order["name"] in self._pids:
                 _signal_group(self._pids[order["name"]], order["signal"])
             self._report({"what": "signalled", "name": order["name"], "number": order["number"]})
 
+    def _nurse(self, order: dict[str, Any]) -> None:
+        """Have a nursery, where the system lets its processes become our children."""
+        if _adopt_orphans():
+            with contextlib.suppress(OSError):  # without it all are started plainly
+                self._nursery = Nursery(order["argv"], order["log"], _env(order), self._before_exec)
+
     def _start(self, order: dict[str, Any]) -> None:
-        name = order["name"]
+        name, pid = order["name"], 0
+        if self._nursery is not None:
+            pid = self._nursery.start(order["argv"], order["log"], _env(order))
         try:
-            with open(order["log"], "ab") as log:
-                child = subprocess.Popen(
-                    order["argv"],
-                    stdin=subprocess.DEVNULL,
-                    stdout=log,
-                    stderr=log,
-                    env={**os.environ, **order.get("env", {})},
-                    start_new_session=True,
-                    preexec_fn=self._before_exec,  # safe: the keeper has one thread
-                )
+            pid = pid or self._exec(order)
         except OSError as error:
             self._report({"what": "failed", "name": name, "reason": str(error)})
             return
+        self._names[pid], self._pids[name] = name, pid
+        self._report({"what": "started", "name": name, "pid": pid})
+
+    def _exec(self, order: dict[str, Any]) -> int:
+        with open(order["log"], "ab") as log:
+            child = subprocess.Popen(
+                order["argv"],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                env=_env(order),
+                start_new_session=True,
+                preexec_fn=self._before_exec,  # safe: the keeper has one thread
+            )
         child.returncode = 0  # reaped below, by waitpid; keeps Popen from complaining
-        self._names[child.pid], self._pids[name] = name, child.pid
-        self._report({"what": "started", "name": name, "pid": child.pid})
+        return child.pid
 
     def reap(self, *, block: bool = False) -> None:
-        """Collect the children that have ended and report each."""
-        while self._names:
-            ended = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOWAIT | (0 if block else os.WNOHANG))
+        """Collect the children that have ended and report each; orphans that were adopted are only collected."""
+        while self._names or not block:
+            try:
+                ended = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOWAIT | (0 if block else os.WNOHANG))
+            except ChildProcessError:
+                return
             if ended is None:
                 return
             pid = ended.si_pid
-            _signal_group(pid, signal.SIGKILL)  # helpers that it started must not outlive it
+            if pid in self._names:
+                _signal_group(pid, signal.SIGKILL)  # helpers that it started must not outlive it
             _, status = os.waitpid(pid, 0)
-            name = self._names.pop(pid)
+            name = self._names.pop(pid, None)
+            if name is None:
+                continue
             if self._pids.get(name) == pid:
                 del self._pids[name]
             self._report({"what": "ended", "name": name, "pid": pid, "code": os.waitstatus_to_exitcode(status)})
@@ -93,6 +118,12 @@ class Keeper:
         for pid in self._names:
             _signal_group(pid, signal.SIGKILL)
         self.reap(block=True)
+        if self._nursery is not None:
+            self._nursery.close()
+
+
+def _env(order: dict[str, Any]) -> dict[str, str]:
+    return {**os.environ, **order["env"]}
 
 
 def _signal_group(pid: int, number: int) -> None:
@@ -101,6 +132,14 @@ def _signal_group(pid: int, number: int) -> None:
         os.killpg(pid, number)
         if number == signal.SIGTERM:
             os.killpg(pid, signal.SIGCONT)
+
+
+def _adopt_orphans() -> bool:
+    """Become the parent of processes below us whose own parent ends; whether this system can do that."""
+    if not sys.platform.startswith("linux"):
+        return False
+    refused: int = ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    return not refused
 
 
 def _die_with_parent() -> Callable[[], None] | None:

@@ -11,7 +11,9 @@ from bus.access import OPERATOR
 ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR = "router", "recorder", "world", "coordinator", "supervisor"
 PLACES = ("bench", "gone")
 """Where a robot can be besides in a team."""
-RESERVED = frozenset({ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard", OPERATOR, *PLACES})
+NURSERY, NURSED = "nursery", ("agents.coordinator", "agents.team")
+"""What the nursery's log is called, and the modules that it makes ready."""
+RESERVED = frozenset({NURSERY, ROUTER, RECORDER, WORLD, COORDINATOR, SUPERVISOR, "dashboard", OPERATOR, *PLACES})
 """What no team may be called, in whatever case: files and identities have these names, too."""
 
 
@@ -44,6 +46,11 @@ def commands(layout: Layout) -> dict[str, list[str]]:
     for team in layout.teams:
         result[team] = [*_start(layout, "agents.team", team), *_setup(layout, team)]
     return result
+
+
+def nursery(python: str) -> list[str]:
+    """The command of the nursery: it saves time, and nothing depends on it."""
+    return [python, "-m", "agents.nursery", *NURSED]
 
 
 def _start(layout: Layout, module: str, name: str) -> list[str]:

@@ -23,7 +23,7 @@ from ops.compile import Compiled, compile_scenario
 from ops.identities import issue
 from ops.plans import read_plan
 from ops.ports import HOST, free_port
-from ops.processes import RECORDER, ROUTER, SUPERVISOR, Layout, commands
+from ops.processes import NURSERY, RECORDER, ROUTER, SUPERVISOR, Layout, commands, nursery
 from ops.recording import load, parts_of
 from ops.scenario import Scenario
 from ops.seat import Ears, Seat
@@ -129,6 +129,7 @@ def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | 
             argv = commands(layout)
             logs = Path(layout.home) / "logs"
             logs.mkdir(exist_ok=True)
+            boss.nurse(nursery(layout.python), logs / f"{NURSERY}.log")
             boss.launch(ROUTER, argv.pop(ROUTER), logs / "router.log")
             boss.until(lambda: run.opened, OPEN_S, f"the bus at {layout.connect}")
             show.begin(layout.run, seat.transport, partial(boss.post, run.interrupt))

@@ -98,6 +98,12 @@ class Supervisor:
         """Have `function` run by the thread that pumps. Callable from any thread."""
         self._posts.put(function)
 
+    def nurse(self, argv: Sequence[str], log: Path) -> None:
+        """Have a nursery (`ops.processes.nursery`) make processes ready that it can; all others are started plainly,
+        and so are these where there can be no nursery, or when it has died."""
+        if self._children is not None:
+            self._children.nurse(argv, log)
+
     def launch(self, name: str, argv: Sequence[str], log: Path) -> None:
         """Start a process and keep it alive from now on. Raises `GaveUpError` if it cannot be started at all."""
         child = self.table[name] = Child(name, argv, log, Restarts(self._budget))
