@@ -34,6 +34,7 @@ def test_one_part_alone_tells_no_ratio() -> None:
     assert "reference" not in result["teams"][0]
 
 
+@pytest.mark.slow
 def test_sharing_after_the_carrier_broke_and_drawn_teams() -> None:
     result = share.run(QUICK._replace(only=("broken_carrier", "drawn", "one_program")))
     replanned = result["broken_carrier"]
@@ -44,6 +45,7 @@ def test_sharing_after_the_carrier_broke_and_drawn_teams() -> None:
     assert 0 < result["one_program"]["bound"] <= 26, "no more can be refuted than the optimum of the questions allows"
 
 
+@pytest.mark.slow
 def test_diagnoses_beside_the_enumeration() -> None:
     result = diagnose.run(QUICK._replace(limit_s=0.01))
     small, large = result["small"]["1"], result["large"]

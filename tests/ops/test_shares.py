@@ -72,6 +72,7 @@ SHARED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHARED)
 def test_the_optimum_is_that_of_one_program_for_all_teams(name: str) -> None:
     found = solve(SHARED[name], lambda _: None)

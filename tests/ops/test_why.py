@@ -65,6 +65,7 @@ def test_why_no_plan_is_the_question_about_what_has_none(capsys: pytest.CaptureF
     assert ask(capsys, *ONE_BOX, "--none", code=1)[0]["status"] == "possible"
 
 
+@pytest.mark.slow
 def test_which_team_and_which_exchange_stand_in_the_way(capsys: pytest.CaptureFixture[str]) -> None:
     missing = ("factory/broken_worker", "--set", "teams.T1.workers=[]", "--shorter")
     (part,) = ask(capsys, *missing)
@@ -88,6 +89,7 @@ def test_a_search_that_is_over_says_how_far_it_got(capsys: pytest.CaptureFixture
 
 
 # ---------------------------------------------------------------- who borrows
+@pytest.mark.slow
 def test_why_one_team_borrows_and_not_another(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, "factory/broken_worker", *LENDING, "--borrows", "T1", "--not", "T2")
     assert part["claim"].endswith("steps are not possible if T2 borrows and T1 does not")
@@ -99,6 +101,7 @@ def test_why_one_team_borrows_and_not_another(capsys: pytest.CaptureFixture[str]
 
 
 # ---------------------------------------------------------------- an action
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("team", "step", "action", "expected"),
     [

@@ -112,6 +112,7 @@ SPOILED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spoiled", SPOILED, ids=lambda s: f"{s.rule}-{s.team}-{s.step}")
 def test_a_copy_spoiled_in_one_rule_is_refused_for_that_rule(spoiled: Spoiled) -> None:
     plan = spoiled.of(STEPS)
@@ -236,6 +237,7 @@ def test_random_mutants_are_judged_as_a_second_judge_judges_them(plan: dict[str,
     assert {(v.team, v.step, v.action, v.rule) for v in found if not v.rule.startswith("exchange_")} == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(mutants(), st.sampled_from(["T2", "T3"]), st.integers(1, 20))
 def test_checker_and_planner_agree_on_the_first_step_that_is_wrong(

@@ -189,6 +189,7 @@ def grade(steps: list[Step], done: list[list[str]], breaks: Mapping[str, int]) -
     return min((t for t, _ in failed), default=len(steps)), min(puzzling, default=len(steps))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_diagnoses_are_those_of_brute_force(data: st.DataObject) -> None:

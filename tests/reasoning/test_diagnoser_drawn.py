@@ -19,6 +19,7 @@ def test_a_seed_gives_the_same_run_and_every_break_has_an_effect() -> None:
     assert one.case.observed != one.case.before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("broken", [0, 1, 2, 3])
 def test_four_robots_and_27_steps(broken: int) -> None:
     """A set of fewer robots may explain the same: then it is told, and the truth cannot be."""

@@ -116,6 +116,7 @@ BENCH = st.dictionaries(st.sampled_from(["T8.w1", "T9.w2"]), WAITING, max_size=1
 DRAWN = st.tuples(st.lists(teams(), min_size=1, max_size=3), st.integers(1, 3) | PAIRS, BENCH)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(DRAWN)
 def test_the_least_horizon_is_that_of_exhaustive_search(

@@ -67,6 +67,7 @@ def loaded(seed: int, dominance: bool, longest: int) -> Program:
     return program
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", MANY)
 def test_dominance_and_bounds_do_not_change_any_least_makespan(seed: int) -> None:
     longest = 14

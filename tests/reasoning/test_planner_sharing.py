@@ -72,6 +72,7 @@ def hold(answer: Answer) -> None:
     assert len(plan.took) == sum("take" in action for _, action in acts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(12), 101])
 def test_answers_are_those_of_the_plain_planner(seed: int) -> None:
     problem, questions = some(seed)

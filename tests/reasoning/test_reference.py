@@ -117,12 +117,14 @@ def agree(given: list[Start], kind: Kind) -> None:
         assert fast.plan.makespan == optimum, start
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_fast_planner_agrees_on_every_start_of_the_smallest_floor(kind: Kind) -> None:
     """One worker, one box: all 48 starts of a floor of 2 by 2."""
     compare(starts((2, 2), 1, 1), kind)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("workers", "boxes"), [(1, 1), (2, 1)])
 def test_the_fast_planner_agrees_on_a_small_floor(workers: int, boxes: int) -> None:
     """2 of 108 (one worker) or 810 (two workers) starts of a floor of 3 by 2."""

@@ -88,7 +88,7 @@ def test_lending_and_borrowing() -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [0, 1, 2, 3, 7, 8, 10, 11, *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 5, 6, 9))]
+    "seed", [1, 8, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 2, 3, 4, 5, 6, 7, 9, 10, 11))]
 )
 def test_every_clash_is_minimal_and_agrees_with_the_reference(seed: int) -> None:
     problem = drawn(seed, breaks=0.3)
@@ -140,6 +140,7 @@ def test_a_fixed_end_effector() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_what_has_a_plan_is_never_called_impossible(seed: int) -> None:
     problem = drawn(seed, breaks=0.3)

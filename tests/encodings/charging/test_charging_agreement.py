@@ -43,6 +43,7 @@ def step_of(rng: random.Random) -> Step:
     return tuple(sorted({rng.choice(pool) for _ in range(rng.choice((1, 1, 1, 1, 2)))}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_a_step_is_possible_when_the_checker_finds_nothing_wrong_with_it(seed: int) -> None:
     rng, possible = random.Random(seed), 0

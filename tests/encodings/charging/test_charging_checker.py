@@ -110,6 +110,7 @@ SPOILED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spoiled", SPOILED, ids=lambda s: f"{s.rule}-{s.team}-{s.step}")
 def test_a_copy_spoiled_in_one_rule_is_refused_for_that_rule(spoiled: Spoiled) -> None:
     plan = spoiled.of(STEPS)

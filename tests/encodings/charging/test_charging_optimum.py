@@ -22,6 +22,7 @@ QUESTIONS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(16))
 def test_breadth_first_search_finds_the_same_makespans(seed: int) -> None:
     problem = drawn(seed)
@@ -52,6 +53,7 @@ def test_a_longer_plan_with_charging_and_a_change_of_rows_is_the_least_as_well()
     approve(problem, Answer(Question("alone", 8), "yes", found.plan))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_the_dominance_rules_keep_a_best_plan(seed: int) -> None:
     """Teams that are too large for the plain search: the same makespans without these rules."""

@@ -33,6 +33,7 @@ def test_there_is_a_clear_trajectory_if_and_only_if_there_is_a_path(seed: int) -
             assert clearance(layout, list(found.points)) > RADIUS_M
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(25))
 def test_trajectories_are_as_short_as_a_grid_allows(seed: int) -> None:
     """Ways on a grid, of a somewhat larger disc, are not shorter. Those of a somewhat smaller one are not much longer:
