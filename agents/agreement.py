@@ -12,6 +12,7 @@ from agents.search import Search
 from agents.setups import GivenPlan
 from bus import messages as m
 from bus.node import Node
+from reasoning.loans import Market
 from reasoning.sharing import Asking, Shared
 from reasoning.words import count
 
@@ -40,14 +41,14 @@ Progress = Adoption | Waiting | NoPlan | Refused
 
 class Agreement:
     """From how the teams stand to a plan that all of them have adopted. `standings` are the answers to the enquiry;
-    `adoption` is there once a plan is found or given."""
+    `adoption` is there once a plan is found or given. With a `market` sharing is general."""
 
-    def __init__(self, node: Node, requests: Requests, epoch: int, delay: int) -> None:
+    def __init__(self, node: Node, requests: Requests, epoch: int, delay: int, market: Market | None = None) -> None:
         self.standings: dict[str, m.Standing] = {}
         self.search = Search({}, delay, 0)
         self.adoption: Adoption | None = None
         self._node, self._requests = node, requests
-        self._epoch, self._delay, self._step = epoch, delay, 0
+        self._epoch, self._delay, self._market, self._step = epoch, delay, market, 0
 
     def enquire(self, teams: Iterable[str]) -> None:
         for team in sorted(teams):
@@ -68,7 +69,7 @@ class Agreement:
         text = f"searching a shared plan from step {step} on: {cause}"
         self._node.emit("search_started", text, epoch=self._epoch, step=step, reason=cause)
         self._step = step
-        self.search = Search(self.standings, self._delay, step)
+        self.search = Search(self.standings, self._delay, step, self._market)
         return self._search_on() if given is None else self._adopt(given)
 
     def answered(self, team: str, answer: m.Answer) -> Progress:
@@ -95,7 +96,8 @@ class Agreement:
     def _adopt(self, plan: Shared | GivenPlan) -> Progress:
         """Have a plan adopted that the search has found, or that is given instead."""
         self._requests.withdraw_all()  # questions whose answers are not needed any more
-        self.adoption = Adoption(plan, self._epoch, self._step, self.standings, self.search.given)
+        general = self._market is not None
+        self.adoption = Adoption(plan, self._epoch, self._step, self.standings, self.search.given, general=general)
         return self._adopt_more(self.adoption)
 
     def adopted(self, team: str, answer: m.Adopted) -> Progress:

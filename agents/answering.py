@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from agents import course, recovery
+from agents import course, guests, recovery
 from agents.memory import Course
 from agents.mind import Mind
 from agents.questions import Planning, Prospects
 from bus import messages as m
 from bus.messages import Envelope
-from reasoning.words import count
+from reasoning.words import count, handing
 
 
 class Answering:
@@ -18,7 +18,7 @@ class Answering:
 
     def __init__(self, mind: Mind) -> None:
         self.mind = mind
-        self.planning = self._planning()
+        self.planning: Planning | None = None
         self._enquiry: tuple[Envelope, m.Enquire] | None = None
         self._look = ""
 
@@ -45,10 +45,11 @@ class Answering:
         (enquiry, enquire), self._enquiry = self._enquiry, None
         epoch = enquire.epoch
         seen = replace(self.mind.memory, epoch=epoch, observed=observed.body.state)
-        seen = recovery.still_on_course(self.mind.setup.domain, self.mind.setup.static, seen)
+        setup = self.mind.setup
+        seen = recovery.still_on_course(self.mind.domain, setup.static, setup.guests, seen)
         seen = replace(seen, since=course.beliefs(seen), history=(), open=seen.open)
         self.mind.keep(seen)
-        self._begin_planning()
+        planning = self._begin_planning()
         self.mind.show("taking stock")
 
         def answer(prospects: Prospects) -> None:
@@ -65,52 +66,48 @@ class Answering:
                 took=self.mind.memory.took,
                 hopeless=prospects.hopeless,
                 hopeless_with_guest=prospects.hopeless_with_guest,
+                stock=dict(prospects.stock),
             )
             self.mind.node.reply(enquiry, standing)
 
-        self.mind.thinker.start(self.planning.prospects, answer)
+        self.mind.thinker.start(planning.prospects, answer)
 
     # ------------------------------------------------------------ planning
-    def _planning(self) -> Planning:
-        setup = self.mind.setup
-        return Planning(setup.domain, setup.static, setup.conflicts, self.mind.thinker.beat)
-
-    def _begin_planning(self) -> None:
+    def _begin_planning(self) -> Planning:
         """What is known of a state stays with it: a thought about the one before may still be on its way."""
-        self.planning = self._planning()
-        kept, now = self.mind.memory, self.mind.memory.since
-        on_course = kept.course if kept.on_course else None
-        gone = kept.step - on_course.start if on_course else 0
-        self.planning.begin(kept.epoch, now, course.fresh_name(self.mind.domain, kept), on_course, gone)
+        kept, setup = self.mind.memory, self.mind.setup
+        problem = guests.problem(self.mind.domain, setup.static, setup.guests, kept, kept.since)
+        self.planning = Planning(kept.epoch, problem, setup.conflicts, self.mind.thinker.beat)
+        if kept.on_course and kept.course is not None:
+            self.planning.keep(course.rest(kept.course, kept.step - kept.course.start))
+        return self.planning
+
+    def _planning(self, epoch: int) -> Planning:
+        """What is known in this epoch; after a restart it is searched again."""
+        same = self.planning is not None and self.planning.epoch == epoch
+        return self.planning if self.planning is not None and same else self._begin_planning()
 
     def ask(self, envelope: Envelope, ask: m.Ask) -> None:
         if ask.epoch != self.mind.memory.epoch:
             self.mind.node.reply(envelope, m.Answer(self.mind.memory.epoch, ask.question, "unknown"))
             return
-        if self.planning.epoch != ask.epoch:  # restarted since: what was known of the question is searched again
-            self._begin_planning()
+        planning = self._planning(ask.epoch)
         q = ask.question
-        words = {"alone": "alone", "lend": f"lending by {q.step}", "borrow": f"borrowing from {q.step}"}[q.kind]
+        published = {"alone": "alone", "lend": f"lending by {q.step}", "borrow": f"borrowing from {q.step}"}
+        words = published.get(q.kind) or handing(q.gives, q.takes)
         self.mind.show(f"planning: {count(q.within, 'step')} {words}?")
 
         def answer(reply: m.Answer) -> None:
             self.mind.node.reply(envelope, reply)
             self.mind.show("waiting for the coordinator")
 
-        planning = self.planning
         self.mind.thinker.start(lambda cancelled: planning.answer(q, cancelled), answer)
 
     def adopt(self, envelope: Envelope, adopt: m.Adopt) -> None:
-        if adopt.epoch != self.mind.memory.epoch:
-            self.mind.node.reply(
-                envelope, m.Adopted(self.mind.memory.epoch, self.mind.team, False, reason="another epoch")
-            )
+        if self._elsewhere(envelope, adopt.epoch):
             return
-        if self.planning.epoch != adopt.epoch:
-            self._begin_planning()
-
+        planning = self._planning(adopt.epoch)
         self.mind.thinker.cancel()  # a question that is still open has no bearing on the plan that was chosen
-        planning = self.planning
 
         def adopted(found: Course | str) -> None:
             if isinstance(found, str):
@@ -120,21 +117,25 @@ class Answering:
 
         self.mind.thinker.start(lambda cancelled: planning.course(adopt, self.mind.team, cancelled), adopted)
 
+    def _elsewhere(self, envelope: Envelope, epoch: int) -> bool:
+        """Is the team in another epoch? Then it says so."""
+        now = self.mind.memory.epoch
+        if epoch != now:
+            self.mind.node.reply(envelope, m.Adopted(now, self.mind.team, False, reason="another epoch"))
+        return epoch != now
+
     def _follow(self, envelope: Envelope, adopt: m.Adopt, found: Course, to_goal: bool) -> None:
         """A plan that does not lead to the goal, as a given one may not, is followed, but never on course."""
-        team, worker = self.mind.team, found.worker
-        robot = self.mind.memory.guests.get(worker, f"{team}.{worker}") if found.role == "lend" else found.robot
-        at = found.start + found.at if found.at >= 0 else -1
-        also = {"alone": "", "lend": f", lending {worker} in step {at}", "borrow": f", borrowing {robot} in step {at}"}
+        team = self.mind.team
         with self.mind.node.journal.transaction():
             step = max(self.mind.memory.step, found.start)  # others may be further on
             self.mind.keep(replace(self.mind.memory, step=step, course=found, on_course=to_goal, open=(), last=None))
-            self.mind.node.reply(
-                envelope, m.Adopted(adopt.epoch, team, True, found.makespan, at, worker, robot if worker else "")
-            )
+            told = course.adopted(team, self.mind.memory)
+            self.mind.node.reply(envelope, told)
+            words = course.exchanges(told)
             self.mind.node.emit(
                 "plan_adopted",
-                f"{team} adopts a plan of {count(found.makespan, 'step')}{also[found.role]}",
+                f"{team} adopts a plan of {count(found.makespan, 'step')}{words}",
                 team=team,
                 epoch=adopt.epoch,
                 start=found.start,
@@ -142,3 +143,13 @@ class Answering:
                 role=found.role,
             )
         self.mind.show("ready")
+
+    def welcome(self, envelope: Envelope, welcome: m.Welcome) -> None:
+        """Now it is known which robots come."""
+        plan = self.mind.memory.course
+        if self._elsewhere(envelope, welcome.epoch) or plan is None:
+            return
+        took = tuple(replace(hand, robot=welcome.robots.get(hand.name, hand.robot)) for hand in plan.took)
+        with self.mind.node.journal.transaction():
+            self.mind.keep(replace(self.mind.memory, course=replace(plan, took=took)))
+            self.mind.node.reply(envelope, course.adopted(self.mind.team, self.mind.memory))

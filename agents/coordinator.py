@@ -17,6 +17,7 @@ from agents import diary as diaries
 from agents import telling
 from agents.adoption import Adoption
 from agents.agreement import Agreement, NoPlan, Progress, Refused, Waiting
+from agents.autonomous.house import House
 from agents.conducting import Conducting
 from agents.membership import Membership
 from agents.requests import Requests
@@ -43,7 +44,7 @@ class Coordinator:
         self.phase: Phase = "enquiring"
         self.requests = Requests(node)
         self.steps = Conducting(self.requests)
-        self.agreement = Agreement(node, self.requests, 0, setup.delay)
+        self.agreement = Agreement(node, self.requests, 0, setup.delay, setup.market())
         self.exchanges: tuple[m.Exchange, ...] = ()
         self._reason, self._refusals, self._up = "", 0, False
         if self.diary.over is not None:
@@ -118,7 +119,7 @@ class Coordinator:
         self._reason = ""
         self._note(epoch=self.diary.epoch + 1)
         self.phase, self.cause = "enquiring", reason
-        self.agreement = Agreement(self.node, self.requests, self.diary.epoch, self.setup.delay)
+        self.agreement = Agreement(self.node, self.requests, self.diary.epoch, self.setup.delay, self.setup.market())
         self.agreement.enquire(self.members.live)
         self._show("asking how everybody stands")
 
@@ -232,7 +233,7 @@ def main() -> int:
     config = arguments(sys.argv[1:])
     setup = read(config, CoordinatorSetup)
     with open_node(config) as node:
-        coordinator = Coordinator(node, setup)
+        coordinator = (Coordinator if setup.conducted else House)(node, setup)
         for turn in node.turns():
             coordinator.turn(turn.mail)
     return 0

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 
 from msgspec.structs import replace
 
+from agents.carrying import shortened
 from agents.memory import Course, Memory
 from agents.skills import guest_prefix, skill
-from bus.messages import Executed, Handover, Offer, Question, SkillCall, State, Step, StepResult
+from bus.messages import Adopted, Executed, Hand, Handover, Offer, Question, SkillCall, State, Step, StepResult
 from reasoning.domain import Domain
 from reasoning.monitor import differing
 from reasoning.solver import parse
+from reasoning.values import Promises
 
 
 def actions(memory: Memory, step: int) -> tuple[str, ...] | None:
@@ -31,7 +33,7 @@ def calls(domain: Domain, memory: Memory, step: int) -> tuple[SkillCall, ...]:
         name, args = parse(action)
         detail = dict(details.get(action, {}))
         if skill(domain, name) == "arrive" and course is not None:
-            detail["robot"] = course.robot
+            detail["robot"] = next(hand.robot for hand in course.took if hand.name == args[0])
         made.append(SkillCall(name, args, detail))
     return tuple(made)
 
@@ -46,17 +48,19 @@ def surprises(memory: Memory, observed: State) -> tuple[str, ...]:
 
 def completed(domain: Domain, team: str, memory: Memory, executed: Executed) -> Memory:
     """Memory after a step: exchanges noted as the sensors show them, repaired robots taken to be whole again."""
-    course = memory.course
+    plan = memory.course
+    handed = {hand.name: hand for hand in (*plan.gave, *plan.took)} if plan is not None else {}
     gave, took, guests, broken = list(memory.gave), list(memory.took), dict(memory.guests), set(memory.broken)
     for action in memory.begun.actions if memory.begun else ():
         name, args = parse(action)
         kind, robot = skill(domain, name), str(args[0]) if args else ""
         here = any(robot in map(str, parse(fluent)[1][:1]) for fluent in executed.state)
         if kind == "depart" and not here:
-            gave.append(Handover(guests.pop(robot, f"{team}.{robot}"), executed.step))
-        elif kind == "arrive" and here and course is not None:
-            guests[robot] = course.robot
-            took.append(Handover(course.robot, executed.step))
+            gave.append(Handover(built_name(team, guests, robot), executed.step, handed[robot].kind))
+            guests.pop(robot, None)
+        elif kind == "arrive" and here:
+            guests[robot] = handed[robot].robot
+            took.append(Handover(guests[robot], executed.step, handed[robot].kind))
         elif kind == "repair":
             broken.discard(robot)
     return replace(
@@ -76,78 +80,84 @@ def beliefs(memory: Memory) -> State:
 
 
 def offer(memory: Memory) -> Offer | None:
-    """The rest of a plan that is on course, as the answer to a question about now, with what its proof refuted.
-
-    A question refuted where the plan began is refuted, shortened by the steps gone, wherever the plan has led since: a
-    faster way on from here would have been a faster way from there. An exchange that has happened turns questions
-    about that role into questions about finishing alone.
-    """
+    """The rest of a plan that is on course, as the answer to a question about now, with what its proof refuted."""
     course = memory.course
     if course is None or not memory.on_course:
         return None
-    gone = memory.step - course.start
-    left = max(course.makespan - gone, 0)
-    if gone <= course.at:
-        return Offer(Question(course.role, left, course.at - gone), _shortened(course, gone))
-    return Offer(Question("alone", left), _shortened(course, gone))
+    left = rest(course, memory.step - course.start)
+    return Offer(question(left), left.refuted)
+
+
+def question(course: Course) -> Question:
+    """The question that a plan answers from its own start."""
+    if course.role == "share":
+        gives, takes = promises(course.gave), promises(course.took)
+        return Question("share", course.makespan, 0, gives, takes)
+    at = next((hand.step for hand in (*course.gave, *course.took)), 0)
+    return Question(course.role, course.makespan, at)
+
+
+def promises(hands: tuple[Hand, ...]) -> Promises:
+    """Robots that are given or taken, without their names."""
+    return tuple(sorted((hand.kind, hand.step) for hand in hands))
 
 
 def rest(course: Course, gone: int) -> Course:
     """What remains of a plan after `gone` of its steps, as a plan of its own that starts now."""
+    gave, took = (
+        tuple(replace(hand, step=hand.step - gone) for hand in hands if hand.step >= gone)
+        for hands in (course.gave, course.took)
+    )
     return Course(
         course.start + gone,
         course.steps[gone:],
         course.states[gone:],
         {step - gone: detail for step, detail in course.details.items() if step >= gone},
-        course.role if gone <= course.at else "alone",
-        course.worker if gone <= course.at else "",
-        course.at - gone if gone <= course.at else -1,
-        course.robot if gone <= course.at else "",
-        _shortened(course, gone),
+        course.role if gave or took or course.role == "share" else "alone",
+        gave,
+        took,
+        shortened(course, gone),
     )
 
 
-def _shortened(course: Course, gone: int) -> tuple[Question, ...]:
-    exchanged = 0 <= course.at < gone
-    kept = []
-    for q in course.refuted:
-        if q.within < gone:
-            continue
-        if not exchanged and (q.kind != "lend" or q.step >= gone):
-            kept.append(Question(q.kind, q.within - gone, max(q.step - gone, 0)))
-        elif exchanged and q.kind == course.role and _covers(q, course.at):
-            kept.append(Question("alone", q.within - gone))
-    return tuple(dict.fromkeys(kept))
+def adopted(team: str, memory: Memory) -> Adopted:
+    """What the coordinator is told of the plan that was journalled: its exchanges in global steps. Of a robot that is
+    to be taken and then given, it may have to say itself which one that is."""
+    plan = memory.course
+    assert plan is not None
+    coming = {hand.name: hand.robot for hand in plan.took}
+    gives = (replace(h, robot=coming.get(h.name, built_name(team, memory.guests, h.name))) for h in plan.gave)
+    gave, took = (tuple(replace(h, step=plan.start + h.step) for h in hands) for hands in (gives, plan.took))
+    return Adopted(memory.epoch, team, True, plan.makespan, gave, took)
 
 
-def waited(course: Course, gone: int, steps: int | None) -> tuple[Question, ...]:
-    """What is still refuted when, after `gone` steps of the plan, other steps passed without an action and something
-    changed by itself: the time that they took was given for nothing. None: nothing is known any more."""
-    if steps is None:
-        return ()
-    exchanged = 0 <= course.at < gone  # then the steps of questions are about the past
-    return tuple(
-        Question(q.kind, q.within - steps, q.step if exchanged else max(q.step - steps, 0))
-        for q in course.refuted
-        if q.within >= steps and (exchanged or q.kind != "lend" or q.step >= steps)
-    )
+def exchanges(plan: Adopted) -> str:
+    """What is exchanged, in words."""
+    words = [f", lending {hand.name} in step {hand.step}" for hand in plan.gave]
+    words += [f", borrowing {hand.robot or hand.name} in step {hand.step}" for hand in plan.took]
+    return "".join(words)
 
 
-def _covers(refuted: Question, at: int) -> bool:
-    """Was the exchange that took place in step `at` one of those that the question asked about?"""
-    return at <= refuted.step if refuted.kind == "lend" else at >= refuted.step
+def built_name(team: str, guests: Mapping[str, str], robot: str) -> str:
+    """The name that a robot of the team was built with; `guests` are those that came from elsewhere."""
+    return guests.get(robot, f"{team}.{robot}")
 
 
 def fresh_name(domain: Domain, memory: Memory) -> str:
     """A name for a guest that no robot of the team has: the prefix of the kind that is exchanged, next number."""
     prefix = guest_prefix(domain)
     numbers = [
-        int(arg[len(prefix) :])
-        for fluent in (*memory.observed, *(f"at({w})" for w in memory.guests))
-        for arg in map(str, parse(fluent)[1])
-        if arg.startswith(prefix) and arg[len(prefix) :].isdigit()
+        int(name[len(prefix) :])
+        for name in known_names(memory)
+        if name.startswith(prefix) and name[len(prefix) :].isdigit()
     ]
     return f"{prefix}{max(numbers, default=0) + 1}"
+
+
+def known_names(memory: Memory) -> set[str]:
+    """The names of bodies that the team has, or has seen come."""
+    fluents = (*memory.observed, *(f"at({robot})" for robot in memory.guests))
+    return {name for fluent in fluents for name in map(str, parse(fluent)[1])}
 
 
 def results_again(memory: Memory, step: Step) -> StepResult | None:

@@ -7,7 +7,7 @@ from typing import Literal
 import msgspec
 
 from bus.journal import Journal
-from bus.messages import Diagnosis, Handover, Question, State, StepResult, Steps, Value
+from bus.messages import Diagnosis, Hand, Handover, Question, State, StepResult, Steps, Value
 
 _KEY = "memory"
 
@@ -15,9 +15,9 @@ _KEY = "memory"
 class Course(msgspec.Struct, frozen=True):
     """The plan that a team follows from global step `start` on. Its own steps count from 0.
 
-    `states[i]` is predicted before step i. `details[i]` holds, by action, what the written action leaves out. `at` is
-    the step of the exchange (-1: none), `worker` who is exchanged, `robot` the built name of a robot that is to be
-    taken. `refuted` are the questions that were answered no where this plan starts.
+    `states[i]` is predicted before step i. `details[i]` holds, by action, what the written action leaves out. `gave`
+    and `took` are the robots that it gives and takes, sorted. `refuted` are the questions that were answered no where
+    this plan starts.
     """
 
     start: int
@@ -25,9 +25,8 @@ class Course(msgspec.Struct, frozen=True):
     states: tuple[State, ...]
     details: dict[int, dict[str, dict[str, Value]]] = {}
     role: Literal["alone", "lend", "borrow", "share"] = "alone"
-    worker: str = ""
-    at: int = -1
-    robot: str = ""
+    gave: tuple[Hand, ...] = ()
+    took: tuple[Hand, ...] = ()
     refuted: tuple[Question, ...] = ()
 
     @property

@@ -4,93 +4,102 @@ follow."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from agents.course import rest, to_details
+from msgspec.structs import astuple, replace
+
+from agents import course as courses
+from agents.course import to_details
 from agents.memory import Course
 from bus import messages as m
 from reasoning.checker import Exchange, check
+from reasoning.ledger import Known, Ledger, learned
 from reasoning.planner import Planner, predict
-from reasoning.sharing import Known, Ledger
-from reasoning.values import Plan, Problem, Question, State, Value
+from reasoning.prospects import prospects
+from reasoning.values import Handed, Plan, Problem, Question
 
 Cancelled = Callable[[], bool]
 NOW = Question("alone", 0)
+ELSEWHERE = "another team"
 
 
 class Prospects(NamedTuple):
     """What is certain before any search: an admissible bound on the steps needed, whether the goal is reached already,
-    and why it is out of reach alone and with a guest (or "")."""
+    why it is out of reach alone and with guests (or ""), and the robots that could be lent where sharing is general."""
 
     lower_bound: int
     finished: bool
     hopeless: str
     hopeless_with_guest: str
+    stock: Mapping[str, int]
 
 
 class Planning:
-    """What a team can promise from one state on. `begin` starts afresh; nothing here needs to survive a restart,
-    because every question can be searched again."""
+    """What a team can promise in one epoch, from one state on. Nothing here needs to survive a restart, because every
+    question can be searched again."""
 
     def __init__(
-        self, domain: str, static: Mapping[str, Value], conflicts: int | None, beat: Callable[[], None]
+        self, epoch: int, problem: Problem, conflicts: int | None = None, beat: Callable[[], None] = lambda: None
     ) -> None:
-        self.epoch = -1
-        self._domain, self._static, self._conflicts, self._beat = domain, static, conflicts, beat
-        self._problem = Problem(domain, static, {})
+        self.epoch = epoch
+        self._problem, self._conflicts, self._beat = problem, conflicts, beat
+        self._alone = Problem(problem.domain, problem.static, problem.state)
         self._planner: Planner | None = None
         self._cancelled: Cancelled = lambda: False
-        self._ledger = Ledger()
+        self._ledger = Ledger(stock=prospects(self._alone).stock if problem.guests else {})
         self._plans: dict[Known, Course] = {}
 
-    def begin(self, epoch: int, state: State, guest: str, course: Course | None, gone: int) -> None:
-        """A new epoch from `state`; `course` is the plan, if one is still on course, `gone` its steps gone."""
-        self.epoch, self._planner = epoch, None
-        self._problem = Problem(self._domain, self._static, state, guest)
-        self._ledger, self._plans = Ledger(), {}
-        if course is not None:
-            left = rest(course, gone)
-            self._ledger = self._ledger.learn(*(Known(_value(q), "no") for q in left.refuted))
-            self._remember(
-                Known(Question(left.role, left.makespan, max(left.at, 0)), "yes", left.makespan, left.at), left
-            )
+    def keep(self, left: Course) -> None:
+        """What remains of a plan that is still on course can be promised, and what it refutes cannot."""
+        self._ledger = self._ledger.learn(*(Known(Question(*astuple(q)), "no") for q in left.refuted))
+        q = Question(*astuple(courses.question(left)))
+        self._remember(Known(q, "yes", left.makespan, q.step, 0, q.gives, q.takes), left)
 
     def prospects(self, cancelled: Cancelled) -> Prospects:
-        planner, alone = self._search(cancelled), Planner(self._problem_of(self._problem.state))
+        planner, alone = self._search(cancelled), Planner(self._alone)
+        finished = alone.answer(NOW).verdict == "yes"
         return Prospects(
-            planner.lower_bound(), alone.answer(NOW).verdict == "yes", alone.hopeless(), planner.hopeless()
+            planner.lower_bound(), finished, alone.hopeless(), planner.hopeless(), dict(self._ledger.stock)
         )
 
     def leads_to_goal(self, course: Course) -> bool:
         """Is the goal reached where this plan ends?"""
-        return Planner(self._problem_of(course.states[-1])).answer(NOW).verdict == "yes"
-
-    def _problem_of(self, state: State) -> Problem:
-        return Problem(self._domain, self._static, state)
+        return Planner(Problem(self._alone.domain, self._alone.static, course.states[-1])).answer(NOW).verdict == "yes"
 
     def answer(self, question: m.Question, cancelled: Cancelled) -> m.Answer:
         """Answer one question, from what is known if it follows from that, else by search."""
-        asked = _value(question)
+        asked = Question(*astuple(question))
         known = self._ledger.witness(asked)
         if known is not None:
-            return m.Answer(self.epoch, question, "yes", known.finish, max(known.at, 0))
+            at = max(known.at, 0)
+            return m.Answer(self.epoch, question, "yes", known.finish, at, gave=known.gave, took=known.took)
         if self._ledger.verdict(asked) == "no":
             return m.Answer(self.epoch, question, "no")
         found = self._search(cancelled).answer(asked, conflicts=self._conflicts)
-        finish, at = 0, 0
+        known = learned(found)
         if found.plan is not None:
-            finish, at = found.plan.makespan, found.plan.exchange[1] if found.plan.exchange else 0
-            self._remember(Known(asked, "yes", finish, at), _course(found.plan, asked))
+            self._remember(known, _course(found.plan, asked.kind))
         elif found.verdict == "no":
-            self._ledger = self._ledger.learn(Known(asked, "no"))
-        return m.Answer(self.epoch, question, found.verdict, finish, at, conflicts=found.conflicts)
+            self._ledger = self._ledger.learn(known)
+        shared = question.kind == "share"
+        return m.Answer(
+            self.epoch,
+            question,
+            found.verdict,
+            known.finish,
+            known.at,
+            conflicts=found.conflicts,
+            gave=known.gave if shared else (),
+            took=known.took if shared else (),
+            easiest=m.Question(*known.question) if known.question != asked else None,
+        )
 
     def course(self, adopt: m.Adopt, team: str, cancelled: Cancelled) -> Course | str:
         """The plan that `adopt` names, checked; or, in words, why there is none."""
         if adopt.plan:
             course = self._given(adopt)
         else:
-            question = _value(adopt.question)
+            question = Question(*astuple(adopt.question))
             if self._ledger.witness(question) is None:  # restarted since the answer was given
                 self.answer(adopt.question, cancelled)
             known = self._ledger.witness(question)
@@ -100,39 +109,31 @@ class Planning:
             wrong = self._violations(team, course, adopt.guest)
             if wrong:
                 return wrong
-        refuted = tuple(m.Question(*a.question) for a in self._ledger.answers if a.verdict == "no")
-        return Course(
-            adopt.start,
-            course.steps,
-            course.states,
-            course.details,
-            course.role,
-            course.worker,
-            course.at,
-            adopt.guest,
-            refuted,
+        return replace(
+            course,
+            start=adopt.start,
+            took=tuple(replace(hand, robot=adopt.guest) for hand in course.took),
+            refuted=tuple(m.Question(*a.question) for a in self._ledger.answers if a.verdict == "no"),
         )
 
     def _given(self, adopt: m.Adopt) -> Course:
         """A plan from outside, as far as it can be followed: the dynamics say what it leads to."""
-        plan, possible = predict(self._problem, adopt.plan)
-        kind = adopt.question.kind if plan.exchange else "alone"  # an exchange beyond what is possible is none
-        return _course(plan, Question(kind, possible, adopt.question.step))
+        plan, _ = predict(self._problem, adopt.plan)
+        exchanges = plan.gave or plan.took or adopt.question.kind == "share"
+        return _course(plan, adopt.question.kind if exchanges else "alone")  # one beyond what is possible is none
 
     def _violations(self, team: str, course: Course, guest: str) -> str:
-        """What the independent checker has against a plan, in words; every plan is checked before it is executed."""
-        exchanges = None
-        if course.role == "borrow":  # that the giver keeps its word is the coordinator's business
-            exchanges = [Exchange(course.worker, guest, -1_000, team, course.at, course.worker)]
-        details = {(k, a): d for k, by in course.details.items() for a, d in by.items()}
+        """What the independent checker has against a plan, in words; every plan is checked before it is executed. That
+        givers keep their word is the coordinator's business."""
         problem = self._problem
         wrong = check(
-            self._domain,
-            self._static,
+            problem.domain,
+            problem.static,
             {team: problem.state},
             {team: course.steps},
-            exchanges=exchanges,
-            details={team: details},
+            exchanges=[Exchange(h.name, guest or ELSEWHERE, -1_000, team, h.step, h.name) for h in course.took],
+            details={team: {(k, a): d for k, by in course.details.items() for a, d in by.items()}},
+            kinds={team: {h.name: h.kind for h in course.took}},
         )
         return "; ".join(f"step {v.step}: {v.action} {v.text}" for v in wrong[:3])
 
@@ -147,11 +148,9 @@ class Planning:
         return self._planner
 
 
-def _value(question: m.Question) -> Question:
-    return Question(question.kind, question.within, question.step)
+def _course(plan: Plan, role: Literal["alone", "lend", "borrow", "share"]) -> Course:
+    def hands(handed: tuple[Handed, ...]) -> tuple[m.Hand, ...]:
+        return tuple(m.Hand(*one) for one in handed)
 
-
-def _course(plan: Plan, question: Question) -> Course:
-    worker, at = plan.exchange or ("", -1)
     states = tuple(dict(s) for s in plan.states)
-    return Course(0, plan.steps, states, to_details(plan.details), question.kind, worker, at)
+    return Course(0, plan.steps, states, to_details(plan.details), role, hands(plan.gave), hands(plan.took))

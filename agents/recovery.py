@@ -16,7 +16,9 @@ from collections.abc import Mapping
 
 from msgspec.structs import replace
 
-from agents.course import beliefs, rest, waited
+from agents.carrying import waited
+from agents.course import beliefs, rest
+from agents.guests import following, problem
 from agents.memory import Begun, Memory
 from agents.skills import actions_of
 from bus import messages as m
@@ -44,7 +46,8 @@ def explain(
 ) -> tuple[m.Diagnosis, ...]:
     """All minimal explanations of what is observed after the epoch's history. `since` is in global steps."""
     first = memory.step - len(memory.history)
-    result = diagnose(Case(domain, static, memory.since, memory.history, memory.observed, BOUND, details))
+    came = tuple((hand.name, hand.kind) for hand in memory.course.took) if memory.course is not None else ()
+    result = diagnose(Case(domain, static, memory.since, memory.history, memory.observed, BOUND, details, came))
     return tuple(
         m.Diagnosis(
             d.causes,
@@ -91,9 +94,10 @@ def narrowed(memory: Memory, findings: Mapping[str, str]) -> Memory:
     return settle(replace(memory, broken=known), left)
 
 
-def still_on_course(domain: str, static: Mapping[str, Value], memory: Memory) -> Memory:
+def still_on_course(domain: Domain, static: Mapping[str, Value], numbers: Mapping[str, int], memory: Memory) -> Memory:
     """Does the rest of the plan still reach its goal from what is seen now? If so, the plan is kept, with its
-    predictions made anew where waiting has changed a detail (paint dries), which also weakens its proof."""
+    predictions made anew where waiting has changed a detail (paint dries), which also weakens its proof. `numbers` as
+    in `agents.guests`."""
     course = memory.course
     if course is None or not memory.on_course:
         return memory
@@ -105,8 +109,8 @@ def still_on_course(domain: str, static: Mapping[str, Value], memory: Memory) ->
         return memory
     left = rest(course, gone)
     details = {(k, a): d for k, by in left.details.items() for a, d in by.items()}
-    guest = left.worker if left.role == "borrow" else ""
-    plan, possible = predict(Problem(domain, static, beliefs(memory), guest), left.steps, details)
+    now = following(problem(domain, static, numbers, memory, beliefs(memory)), left)
+    plan, possible = predict(now, left.steps, details)
     if possible < left.makespan or differing(course.states[-1], plan.states[-1]):
         return replace(memory, on_course=False)
     states = (*course.states[:gone], *(dict(s) for s in plan.states))
@@ -114,7 +118,8 @@ def still_on_course(domain: str, static: Mapping[str, Value], memory: Memory) ->
     return replace(memory, course=replace(course, states=states, refuted=refuted))
 
 
-def _steps_waited(domain: str, static: Mapping[str, Value], before: State, memory: Memory) -> int | None:
+def _steps_waited(domain: Domain, static: Mapping[str, Value], before: State, memory: Memory) -> int | None:
     """How many steps without an action lead from the state `before` to what is seen; None: no such number does."""
-    idle, _ = predict(Problem(domain, static, beliefs(replace(memory, observed=dict(before)))), ((),) * LONGEST_WAIT)
+    start = Problem(domain.name, static, beliefs(replace(memory, observed=dict(before))))
+    idle, _ = predict(start, ((),) * LONGEST_WAIT)
     return next((n for n, state in enumerate(idle.states) if not differing(state, memory.observed)), None)

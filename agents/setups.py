@@ -10,6 +10,7 @@ import msgspec
 
 from bus.messages import Exchange, Steps, Value
 from bus.node import NodeConfig
+from reasoning.loans import Market
 
 
 class GivenPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -20,20 +21,33 @@ class GivenPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class CoordinatorSetup(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``coordinator.json``: the teams' names. `delay` is the transport of a lent robot, in steps."""
+    """``coordinator.json``: the teams' names. `delay` is the transport of a lent robot, in steps. Where sharing is
+    general, `delays` are those from team to team, and `robots` says how many of each kind a team takes at most. Unless `conducted`, the
+    teams act for themselves."""
 
     teams: tuple[str, ...]
     delay: int
     plan: GivenPlan | None = None
+    conducted: bool = True
+    delays: tuple[tuple[str, str, int], ...] = ()
+    robots: dict[str, int] = {}
+
+    def market(self) -> Market | None:
+        """How robots come from team to team; None under the published limits."""
+        if not self.robots:
+            return None
+        return Market({(giver, taker): n for giver, taker, n in self.delays}, most=self.robots, back=self.delay)
 
 
 class TeamSetup(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """``T1.json``: domain, own name and constants. `conflicts` bounds the search for one answer (None: no bound)."""
+    """``T1.json``: domain, own name and constants. `conflicts` bounds the search for one answer (None: no bound).
+    `guests` are the robots of each kind that it may borrow at most where sharing is general."""
 
     domain: str
     team: str
     static: dict[str, Value]
     conflicts: int | None = None
+    guests: dict[str, int] = {}
 
 
 S = TypeVar("S", CoordinatorSetup, TeamSetup)

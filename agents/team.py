@@ -9,6 +9,7 @@ sensors, and messages; nothing else.
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
 from agents import telling
 from agents.answering import Answering
@@ -19,6 +20,10 @@ from agents.thinker import Thinker
 from bus import messages as m
 from bus.messages import Envelope
 from bus.node import Node, arguments, open_node
+from reasoning.domain import load
+
+if TYPE_CHECKING:
+    from agents.autonomous.team import Autonomous
 
 COORDINATOR = "coordinator"
 
@@ -44,7 +49,7 @@ class Team:
                 self.mind.hear(envelope)
                 continue
             match envelope.body:
-                case m.Enquire() | m.Ask() | m.Adopt() | m.Go() if envelope.src != COORDINATOR:
+                case m.Enquire() | m.Ask() | m.Adopt() | m.Welcome() | m.Go() if envelope.src != COORDINATOR:
                     node.refuse(envelope, "not_yours")
                 case m.Enquire() as enquire:
                     self.answering.enquire(envelope, enquire)
@@ -52,6 +57,8 @@ class Team:
                     self.answering.ask(envelope, ask)
                 case m.Adopt() as adopt:
                     self.answering.adopt(envelope, adopt)
+                case m.Welcome() as welcome:
+                    self.answering.welcome(envelope, welcome)
                 case m.Go() as go:
                     self.executing.go_on(envelope, go)
                 case _:
@@ -59,11 +66,20 @@ class Team:
         self.mind.thinker.deliver()
 
 
+def _mind(setup: TeamSetup) -> type[Team] | type[Autonomous]:
+    """The kind of mind that the domain asks for."""
+    if load(setup.domain).data.conducted:
+        return Team
+    from agents.autonomous.team import Autonomous  # only now: geometry is slow to import, and most domains do without
+
+    return Autonomous
+
+
 def main() -> int:
     config = arguments(sys.argv[1:])
     setup = read(config, TeamSetup)
     with open_node(config) as node, Thinker(node, threaded=config.mode == "realtime") as thinker:
-        team = Team(node, setup, thinker)
+        team = _mind(setup)(node, setup, thinker)
         for turn in node.turns():
             team.turn(turn.mail)
     return 0

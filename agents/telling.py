@@ -12,7 +12,7 @@ from agents.search import Search
 from bus.messages import Answer, Exchange, Question, Status
 from bus.node import Node
 from reasoning.sharing import Shared
-from reasoning.words import count
+from reasoning.words import count, handing
 
 
 def up(node: Node, role: str) -> None:
@@ -24,6 +24,7 @@ def up(node: Node, role: str) -> None:
 
 def answered(node: Node, team: str, answer: Answer) -> None:
     q = answer.question
+    shared = {"gives": list(q.gives), "takes": list(q.takes)} if q.kind == "share" else {}
     node.emit(
         "question",
         f"{team} {_words(q)}: {answer.verdict}",
@@ -33,6 +34,7 @@ def answered(node: Node, team: str, answer: Answer) -> None:
         within=q.within,
         step=q.step,
         verdict=answer.verdict,
+        **shared,
     )
 
 
@@ -82,5 +84,5 @@ def status(doing: str, step: int, epoch: int, over: bool, search: Search, exchan
 
 
 def _words(q: Question) -> str:
-    how = {"alone": "alone", "lend": f"lending by step {q.step}", "borrow": f"borrowing from step {q.step} on"}[q.kind]
-    return f"in {count(q.within, 'step')} {how}"
+    how = {"alone": "alone", "lend": f"lending by step {q.step}", "borrow": f"borrowing from step {q.step} on"}
+    return f"in {count(q.within, 'step')} {how.get(q.kind) or handing(q.gives, q.takes)}"

@@ -15,17 +15,14 @@ from typing import Any
 
 import msgspec
 
-from bus.scene import Action, Entity, Fault, Kind, Scene, Workspace
-from ops import rooms
+from bus.scene import Action, Entity, Fault, Kind, Scene, Transport, Workspace
+from ops import rooms, shares
 from ops.faultwords import Names, problem
 from ops.plans import GivenPlan
 from ops.scenario import Scenario
 from ops.tables import InputError
 from reasoning.domain import Domain, load
 from reasoning.setup import Refused, Setup, compile_setup
-
-DELAY = "delay"
-SHARING = "sharing"
 
 
 @dataclass(frozen=True)
@@ -51,11 +48,6 @@ def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compi
     """What the processes are told. Raises `InputError` for a set-up or a fault that the domain does not allow, and for
     a domain that can only be planned."""
     setup = start(scenario)
-    if setup.static.get(SHARING) == "general":
-        raise scenario.complaint(
-            ["exchange", "sharing"],
-            "expected published: general sharing can be planned (muster plan), but not be run yet",
-        )
     domain = load(scenario.domain)
     if not domain.can_run:
         raise InputError(
@@ -65,13 +57,18 @@ def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compi
     scene = _scene(scenario, domain, setup)
     _check_faults(scenario, scene)
     limit = scenario.limits.conflicts or None
-    files: dict[str, msgspec.Struct | dict[str, Any]] = {
-        "world": scene,
-        "coordinator": {"teams": scenario.teams, "delay": setup.static.get(DELAY, 0), "plan": plan},
+    files: dict[str, dict[str, Any]] = {
+        "coordinator": {"teams": scenario.teams, "delay": setup.static.get(shares.DELAY, 0), "plan": plan, "conducted": domain.data.conducted},
     }
     for team in scenario.teams:
         files[team] = {"domain": scenario.domain, "team": team, "static": dict(setup.static), "conflicts": limit}
-    return Compiled(scenario, setup, files)
+    if shares.general(setup) and len(scenario.teams) > 1:
+        robots = shares.most(domain, setup)
+        delays = [(giver, taker, steps) for (giver, taker), steps in shares.delays(setup).items()]
+        files["coordinator"] |= {"delays": delays, "robots": robots}
+        for team in scenario.teams:
+            files[team] |= {"guests": robots}
+    return Compiled(scenario, setup, {"world": scene, **files})
 
 
 def start(scenario: Scenario) -> Setup:
@@ -97,7 +94,7 @@ def _scene(scenario: Scenario, domain: Domain, setup: Setup) -> Scene:
         period_s=data.time["period_s"],
         dt_s=data.time["dt_s"],
         frame_hz=scenario.record.frame_hz,
-        transport_delay_steps=int(setup.static.get(DELAY, 0)),
+        transport_delay_steps=int(setup.static.get(shares.DELAY, 0)),
         kinds=kinds,
         actions={name: msgspec.convert(table, Action) for name, table in data.actions.items()},
         workspaces=tuple(
@@ -106,10 +103,18 @@ def _scene(scenario: Scenario, domain: Domain, setup: Setup) -> Scene:
         ),
         entities=tuple(_entity(team, name, kind, kinds[kind], setup, data.time) for team, name, kind in setup.entities),
         faults=scenario.faults,
+        transports=_transports(setup),
         conducted=data.conducted,
         title=scenario.story,
         display={**words, "places": places} if places else words,
     )
+
+
+def _transports(setup: Setup) -> tuple[Transport, ...]:
+    """Those that take other than the usual steps."""
+    usual = setup.static.get(shares.DELAY, 0)
+    delays = shares.delays(setup) if usual else {}
+    return tuple(Transport(*pair, steps) for pair, steps in delays.items() if steps != usual)
 
 
 def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup, time: Mapping[str, float]) -> Entity:

@@ -56,9 +56,11 @@ def check(
     exchanges: Iterable[Exchange] | None = None,
     details: Mapping[str, Details] | None = None,
     breaks: Iterable[Break] = (),
+    kinds: Mapping[str, Mapping[str, str]] | None = None,
 ) -> list[Violation]:
     """The violations of `examine`: none means that the plan is right and reaches the goal of every team."""
-    return list(examine(domain, static, states, plan, exchanges=exchanges, details=details, breaks=breaks).violations)
+    verdict = examine(domain, static, states, plan, exchanges=exchanges, details=details, breaks=breaks, kinds=kinds)
+    return list(verdict.violations)
 
 
 def examine(
@@ -70,13 +72,15 @@ def examine(
     exchanges: Iterable[Exchange] | None = None,
     details: Mapping[str, Details] | None = None,
     breaks: Iterable[Break] = (),
+    kinds: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Verdict:
     """Judge the plan of all teams together.
 
     `states[team]` is the sensed state at the start, with ``broken(R)`` for robots known to be broken; `plan[team][t]`
     the actions of step t; a team without a plan stays idle. `exchanges`: None means that any that fit will do.
     `details[team]` is what the written actions leave out; where it is missing, what leaves fewest violations is
-    assumed. `breaks` are failures that are known to have happened. An action that is no term is a violation, no error.
+    assumed. `breaks` are failures that are known to have happened. `kinds[team]` are the kinds of robots that come from
+    teams of which nothing else is told. An action that is no term is a violation, no error.
     """
     domain = load(domain)
     facts, violations = _plan(plan)
@@ -100,6 +104,7 @@ def examine(
         else:
             text = "is an exchange of what is not written as a name"
             violations.append(Violation(e.taker, e.take_step, f"{e.worker} as {e.known_as}", "unknown", text))
+    facts += [f"kind({quoted(t)},{robot},{kind})." for t, some in (kinds or {}).items() for robot, kind in some.items()]
     facts += [f"breaks({quoted(b.team)},{b.robot},{b.step})." for b in breaks if is_term(b.robot)]
     return _verdict(domain, _judged(domain, static, states, facts), violations)
 

@@ -108,6 +108,7 @@ def facts_of(case: Case) -> list[str]:
         *(f"static({key},{value})." for key, value in case.static.items()),
         *(f"init({fluent},{value})." for fluent, value in case.before.items()),
         *(f"observed({fluent},{value})." for fluent, value in case.observed.items()),
+        *(f"kind(own,{robot},{kind})." for robot, kind in case.guests),
         *(f"occurs({action},{step})." for step, actions in enumerate(case.actions) for action in actions),
         *(
             f"detail({action},{step},{key},{value})."

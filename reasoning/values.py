@@ -140,7 +140,7 @@ class Diagnosis:
 @dataclass(frozen=True)
 class Case:
     """What a diagnosis starts from: the sensed state before, the actions commanded since, the state sensed now, and
-    at most how many robots may be broken."""
+    at most how many robots may be broken. `guests` are the robots that came meanwhile, each with its kind."""
 
     domain: str
     static: Mapping[str, Value]
@@ -149,3 +149,4 @@ class Case:
     observed: State
     bound: int = 2
     details: Mapping[tuple[int, str], Mapping[str, Value]] = field(default_factory=dict)
+    guests: tuple[tuple[str, str], ...] = ()

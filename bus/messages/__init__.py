@@ -25,11 +25,13 @@ from bus.messages.sharing import (
     Enquire,
     Exchange,
     Go,
+    Hand,
     Handover,
     Offer,
     Question,
     Standing,
     StepResult,
+    Welcome,
 )
 from bus.messages.streams import Beat, BodyFrame, Event, Frame, Status
 
@@ -56,6 +58,7 @@ __all__ = [
     "Executed",
     "Frame",
     "Go",
+    "Hand",
     "Handover",
     "Impair",
     "Inject",
@@ -83,4 +86,5 @@ __all__ = [
     "Text",
     "Tick",
     "Value",
+    "Welcome",
 ]

@@ -9,7 +9,7 @@ from bus.messages.basics import Count, Name, Seconds
 from bus.messages.clock import Done, Join, Tick
 from bus.messages.common import EventsAre, EventsFrom, Impair, Inject, Injected, Ok, Ping
 from bus.messages.news import Contact, Order, ProcessFault, RunOver
-from bus.messages.sharing import Adopt, Adopted, Answer, Ask, Enquire, Go, Standing, StepResult
+from bus.messages.sharing import Adopt, Adopted, Answer, Ask, Enquire, Go, Standing, StepResult, Welcome
 from bus.messages.streams import Beat, Event, Frame, Status
 
 
@@ -26,7 +26,8 @@ class Envelope(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     id: Name
     at_s: Seconds
     body: (
-        Execute | Executed | Observe | Observed | Enquire | Standing | Ask | Answer | Adopt | Adopted | Go | StepResult
+        Execute | Executed | Observe | Observed | Enquire | Standing | Ask | Answer | Adopt | Adopted | Welcome | Go
+        | StepResult
         | Contact | Order | ProcessFault | RunOver | Inject | Injected | Impair | Ping | Ok | EventsFrom | EventsAre
         | Event | Status | Frame | Beat | Join | Tick | Done
     )  # fmt: skip

@@ -8,6 +8,9 @@ import msgspec
 
 from bus.messages.basics import Body, Count, Name, Outcome, Seconds, Step, Steps, Text
 
+Promises = tuple[tuple[Name, Step], ...]
+"""Robots that a plan gives or takes: each the kind of robot and the step."""
+
 
 class Question(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Can you finish within `within` steps from now: alone / if you lend a worker in step `step` or
@@ -19,8 +22,8 @@ class Question(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     kind: Literal["alone", "lend", "borrow", "share"]
     within: Step
     step: Step = 0
-    gives: tuple[tuple[Name, Step], ...] = ()
-    takes: tuple[tuple[Name, Step], ...] = ()
+    gives: Promises = ()
+    takes: Promises = ()
 
 
 class Enquire(Body, frozen=True):
@@ -40,18 +43,20 @@ class Offer(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Handover(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A robot, under the name it was built with, that left or joined a team in global step `step`."""
+    """A robot of this kind, under the name it was built with, that left or joined a team in global step `step`."""
 
     robot: Name
     step: Step
+    kind: str = ""
 
 
 class Standing(Body, frozen=True):
     """Where a team stands. `step` is the global step that it would execute next; `lower_bound` an
     admissible bound on the steps it still needs; `offer` the rest of its plan when that is on course;
     `inspect` robots that a diagnosis still suspects; `gave` and `took` its exchanges of the whole run.
-    `hopeless` says why it can never finish alone, `hopeless_with_guest` why not even with one more robot
-    (empty: it may)."""
+    `hopeless` says why it can never finish alone, `hopeless_with_guest` why not even with one more robot, or where
+    sharing is general with as many as it may borrow (empty: it may). `stock` are the robots that it could lend then, by
+    kind."""
 
     epoch: Count
     team: Name
@@ -64,6 +69,7 @@ class Standing(Body, frozen=True):
     took: tuple[Handover, ...] = ()
     hopeless: Text = ""
     hopeless_with_guest: Text = ""
+    stock: dict[str, Count] = {}
 
 
 class Ask(Body, frozen=True):
@@ -77,7 +83,8 @@ class Answer(Body, frozen=True):
     """`yes` comes with a plan that the team keeps; `unknown` means the budget ran out.
 
     `finish` is the makespan of the plan found and `at` the step of its exchange, which may both be
-    better than what was asked.
+    better than what was asked. Of a ``share`` question: `gave` and `took` are the plan's exchanges, and `easiest` is a
+    question that asks less and is answered no as well.
     """
 
     epoch: Count
@@ -87,6 +94,9 @@ class Answer(Body, frozen=True):
     at: Count = 0
     seconds: Seconds = 0.0
     conflicts: Count = 0
+    gave: Promises = ()
+    took: Promises = ()
+    easiest: Question | None = None
 
 
 class Exchange(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -117,17 +127,33 @@ class Adopt(Body, frozen=True):
     plan: Steps = ()
 
 
+class Welcome(Body, frozen=True):
+    """Which robots your plan takes: by your own names for them, the names they were built with. Asked where sharing is
+    general, once everybody has said who is given. Reply: `Adopted`, once more."""
+
+    epoch: Count
+    robots: dict[Name, Name]
+
+
+class Hand(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A robot that a plan gives or takes in step `step`: its kind, the team's own name for it, and the name it was
+    built with (empty: not known yet)."""
+
+    kind: Name
+    step: Step
+    name: Name
+    robot: str = ""
+
+
 class Adopted(Body, frozen=True):
-    """The team has journalled the plan. `at` is the global step of its exchange, `worker` who is exchanged
-    under the team's own name for it and, for a lender, `robot` the name it was built with."""
+    """The team has journalled the plan. `gave` and `took` are its exchanges, in global steps, sorted."""
 
     epoch: Count
     team: Name
     ok: bool
     makespan: Count = 0
-    at: int = -1
-    worker: str = ""
-    robot: str = ""
+    gave: tuple[Hand, ...] = ()
+    took: tuple[Hand, ...] = ()
     reason: Text = ""
 
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from agents import course
+from agents.carrying import waited
 from agents.memory import Begun, Course, Memory, load, save
 from bus.journal import Journal
-from bus.messages import Executed, Handover, Offer, Question, SkillCall
+from bus.messages import Executed, Hand, Handover, Offer, Question, SkillCall
 from reasoning import domain as domains
 from tests.agents.rooms import ALONE, DOMAIN, LENDER
 
 FACTORY = domains.load(DOMAIN)
 STEPS = (("move(w1,right)",), ("workOn(w1,1)", "giveRobot(w2)"), ("lineShift",), ("lineShift",))
 PLAN = Course(10, STEPS, ({},) * 5)
+W2 = Hand("worker", 0, "w2")
+LATER = replace(W2, step=1)
 
 
 def test_actions_only_while_the_plan_lasts() -> None:
@@ -28,7 +31,9 @@ def test_actions_only_while_the_plan_lasts() -> None:
 def test_calls_say_what_the_written_action_leaves_out() -> None:
     take = "takeRobot(w3,1,2)"
     details = {1: {take: {"effector": 2}}}
-    plan = Course(4, ((), (take, "lineShift")), ({}, {}, {}), details, "borrow", "w3", 1, "T9.w1")
+    plan = Course(
+        4, ((), (take, "lineShift")), ({}, {}, {}), details, "borrow", took=(Hand("worker", 1, "w3", "T9.w1"),)
+    )
     assert course.calls(FACTORY, Memory(course=plan), 4) == ()
     assert course.calls(FACTORY, Memory(course=plan), 5) == (
         SkillCall("takeRobot", ("w3", 1, 2), {"effector": 2, "robot": "T9.w1"}),
@@ -52,20 +57,20 @@ def given(memory: Memory, *actions: str, state: dict[str, int | str], step: int 
 
 def test_a_robot_that_is_gone_was_given_and_one_that_is_there_was_taken() -> None:
     gone = {k: v for k, v in LENDER.items() if "w2" not in k}
-    after = given(Memory(observed=LENDER), "giveRobot(w2)", state=gone)
-    assert after.gave == (Handover("T1.w2", 5),)
+    plan = Course(0, ((),) * 9, ({},) * 10, gave=(W2,), took=(replace(W2, robot="T2.w1"),))
+    after = given(Memory(observed=LENDER, course=plan), "giveRobot(w2)", state=gone)
+    assert after.gave == (Handover("T1.w2", 5, "worker"),)
     assert (after.step, after.begun, after.observed, after.history) == (6, None, gone, (("giveRobot(w2)",),))
-    borrowing = replace(after, course=Course(0, ((),) * 9, ({},) * 10, robot="T2.w1"))
-    back = given(borrowing, "takeRobot(w2,1,1)", state=LENDER, step=8)
-    assert (back.took, back.guests) == ((Handover("T2.w1", 8),), {"w2": "T2.w1"})
+    back = given(after, "takeRobot(w2,1,1)", state=LENDER, step=8)
+    assert (back.took, back.guests) == ((Handover("T2.w1", 8, "worker"),), {"w2": "T2.w1"})
     again = given(back, "giveRobot(w2)", state=gone, step=9)
-    assert again.gave[-1] == Handover("T2.w1", 9), "a guest leaves under the name it was built with"
+    assert again.gave[-1] == Handover("T2.w1", 9, "worker"), "a guest leaves under the name it was built with"
     assert again.guests == {}
 
 
 def test_exchanges_that_did_not_take_place_are_not_noted() -> None:
     assert given(Memory(), "giveRobot(w2)", state=LENDER).gave == ()
-    borrowing = Memory(course=Course(0, ((),) * 9, ({},) * 10, robot="T2.w1"))
+    borrowing = Memory(course=Course(0, ((),) * 9, ({},) * 10, took=(replace(W2, robot="T2.w1"),)))
     assert given(borrowing, "takeRobot(w2,1,1)", state=ALONE).took == ()
 
 
@@ -89,7 +94,7 @@ def test_nothing_is_offered_without_a_plan_that_leads_to_the_goal() -> None:
     assert course.offer(Memory(step=14, course=PLAN, on_course=True)) == Offer(Question("alone", 0))
 
 
-LENDING = replace(PLAN, role="lend", worker="w2", at=1, refuted=(Question("lend", 3, 1), Question("alone", 3)))
+LENDING = replace(PLAN, role="lend", gave=(LATER,), refuted=(Question("lend", 3, 1), Question("alone", 3)))
 
 
 def test_before_the_exchange_the_offer_is_in_the_plans_role() -> None:
@@ -107,7 +112,9 @@ def test_after_the_exchange_what_was_refuted_of_it_is_refuted_of_going_on_alone(
 
 
 def test_a_borrower_that_has_taken_its_robot_goes_on_alone() -> None:
-    borrowing = replace(PLAN, role="borrow", at=1, refuted=(Question("borrow", 3, 2), Question("borrow", 2, 0)))
+    borrowing = replace(
+        PLAN, role="borrow", took=(LATER,), refuted=(Question("borrow", 3, 2), Question("borrow", 2, 0))
+    )
     before = course.offer(Memory(step=11, course=borrowing, on_course=True))
     assert before == Offer(Question("borrow", 3, 0), (Question("borrow", 2, 1), Question("borrow", 1, 0)))
     after = course.offer(Memory(step=12, course=borrowing, on_course=True))
@@ -117,20 +124,20 @@ def test_a_borrower_that_has_taken_its_robot_goes_on_alone() -> None:
 def test_the_rest_of_a_plan_is_a_plan_of_its_own() -> None:
     plan = replace(LENDING, details={0: {"a": {"x": 1}}, 2: {"b": {"y": 2}}})
     left = course.rest(plan, 1)
-    assert (left.start, left.steps, len(left.states), left.at, left.worker) == (11, STEPS[1:], 4, 0, "w2")
+    assert (left.start, left.steps, len(left.states), left.gave) == (11, STEPS[1:], 4, (W2,))
     assert left.details == {1: {"b": {"y": 2}}}
     left = course.rest(plan, 2)
-    assert (left.role, left.worker, left.at, left.robot) == ("alone", "", -1, "")
+    assert (left.role, left.gave) == ("alone", ())
 
 
 def test_time_that_passed_for_nothing_weakens_what_was_refuted() -> None:
     refuted = (Question("alone", 5), Question("alone", 1), Question("lend", 5, 1), Question("borrow", 5, 1))
     plan = replace(PLAN, refuted=refuted)
-    assert course.waited(plan, 0, 0) == refuted
-    assert course.waited(plan, 0, 2) == (Question("alone", 3), Question("borrow", 3, 0))
-    assert course.waited(plan, 0, None) == ()
-    lent = replace(plan, role="lend", at=1)
-    assert Question("lend", 3, 1) in course.waited(lent, 2, 2), "given before the wait"
+    assert waited(plan, 0, 0) == refuted
+    assert waited(plan, 0, 2) == (Question("alone", 3), Question("borrow", 3, 0))
+    assert waited(plan, 0, None) == ()
+    lent = replace(plan, role="lend", gave=(LATER,))
+    assert Question("lend", 3, 1) in waited(lent, 2, 2), "given before the wait"
 
 
 def test_a_memory_survives_in_its_journal() -> None:

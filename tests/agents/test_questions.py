@@ -7,11 +7,12 @@ from itertools import product
 import pytest
 
 from agents import course
+from agents.guests import problem
 from agents.memory import Course, Memory
 from agents.questions import Planning
 from agents.recovery import still_on_course
 from bus import messages as m
-from bus.messages import Question, State
+from bus.messages import Hand, Question, State
 from reasoning import values
 from reasoning.domain import load
 from reasoning.planner import Planner, predict
@@ -24,10 +25,8 @@ def never() -> bool:
     return False
 
 
-def planning(state: State, epoch: int = 1, plan: Course | None = None, gone: int = 0) -> Planning:
-    made = Planning(DOMAIN, STATIC, None, lambda: None)
-    made.begin(epoch, state, course.fresh_name(FACTORY, Memory(observed=state)), plan, gone)
-    return made
+def planning(state: State) -> Planning:
+    return Planning(1, problem(FACTORY, STATIC, {}, Memory(observed=state), state))
 
 
 def adopt(made: Planning, question: Question, start: int = 0, guest: str = "") -> Course:
@@ -37,9 +36,9 @@ def adopt(made: Planning, question: Question, start: int = 0, guest: str = "") -
 
 
 def test_prospects_say_whether_all_is_done_and_why_it_never_will_be() -> None:
-    assert planning(ALONE).prospects(never) == (3, False, "", "")
-    assert planning(ALONE | {"stage(1)": 3, "line(1)": 0}).prospects(never) == (0, True, "", "")
-    bound, finished, alone, with_guest = planning(BORROWER).prospects(never)
+    assert planning(ALONE).prospects(never) == (3, False, "", "", {})
+    assert planning(ALONE | {"stage(1)": 3, "line(1)": 0}).prospects(never) == (0, True, "", "", {})
+    bound, finished, alone, with_guest, _ = planning(BORROWER).prospects(never)
     assert (bound, finished, with_guest) == (3, False, "")
     assert alone == "no worker can ever stand beside the line"
     assert planning(ALONE | {"line(1)": 1}).prospects(never).hopeless_with_guest
@@ -77,14 +76,14 @@ def test_the_adopted_plan_carries_the_refutations_of_its_search() -> None:
     made.answer(Question("alone", 3), never)
     made.answer(Question("lend", 5, 0), never)
     found = adopt(made, Question("lend", 5, 0), start=7)
-    assert (found.start, found.role, found.worker, found.at) == (7, "lend", "w2", 0)
+    assert (found.start, found.role, found.gave) == (7, "lend", (Hand("worker", 0, "w2"),))
     assert found.refuted == (Question("alone", 3),)
     assert len(found.states) == found.makespan + 1
 
 
 def test_after_a_restart_the_plan_is_searched_again() -> None:
     found = adopt(planning(BORROWER), Question("borrow", 6, 1), guest="T2.w2")
-    assert (found.role, found.worker, found.at, found.robot) == ("borrow", "w1", 1, "T2.w2")
+    assert (found.role, found.took) == ("borrow", (Hand("worker", 1, "w1", "T2.w2"),))
     assert found.details[1], "the effector that the guest is to come with"
 
 
@@ -108,13 +107,6 @@ def test_a_given_plan_is_cut_where_it_is_not_possible() -> None:
     assert made.leads_to_goal(found)
 
 
-def test_another_epoch_knows_nothing_of_the_one_before() -> None:
-    made = planning(ALONE)
-    made.answer(Question("alone", 3), never)
-    made.begin(2, ALONE | {"at(w1)": "(2,2)"}, "w2", None, 0)
-    assert made.answer(Question("alone", 3), never).verdict == "yes"
-
-
 CARRIED = [
     (PAINTER, Question("alone", 13)),
     (room(("(1,2)", 3), ("(1,1)", 2), boxes=WAXED, carrier="(1,1)"), Question("lend", 6, 2)),
@@ -122,6 +114,7 @@ CARRIED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("state", "wanted"), CARRIED)
 @pytest.mark.parametrize("waits", [0, 1])
 def test_what_is_carried_over_is_true(state: State, wanted: Question, waits: int) -> None:
@@ -137,11 +130,11 @@ def test_what_is_carried_over_is_true(state: State, wanted: Question, waits: int
         now = dict(found.states[gone])
         if waits:
             now = dict(predict(values.Problem(DOMAIN, STATIC, now), ((),) * waits)[0].states[-1])
-        memory = still_on_course(DOMAIN, STATIC, Memory(gone, 1, now, course=found, on_course=True))
+        memory = still_on_course(FACTORY, STATIC, {}, Memory(gone, 1, now, course=found, on_course=True))
         assert memory.on_course
         offer = course.offer(memory)
         assert offer is not None
-        guest = found.worker if found.role == "borrow" and gone <= found.at else "w9"
+        guest = next((hand.name for hand in found.took if gone <= hand.step), "w9")
         fresh = Planner(values.Problem(DOMAIN, STATIC, now, guest))
         assert fresh.answer(values.Question(*fields(offer.question))).verdict == "yes"
         for q in offer.refuted:

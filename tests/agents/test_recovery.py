@@ -101,7 +101,7 @@ def on_course(steps: int = 13, state: dict[str, int | str] = PAINTER) -> Memory:
 def after(memory: Memory, gone: int, **seen: int | str) -> Memory:
     assert memory.course is not None
     state = memory.course.states[gone] | {k.replace("_", "(") + ")": v for k, v in seen.items()}
-    return recovery.still_on_course(DOMAIN, STATIC, replace(memory, step=4 + gone, observed=state))
+    return recovery.still_on_course(FACTORY, STATIC, {}, replace(memory, step=4 + gone, observed=state))
 
 
 def test_whoever_is_where_the_plan_says_is_on_course() -> None:
@@ -137,8 +137,8 @@ def test_who_is_done_stays_done_unless_something_changes() -> None:
     assert after(memory, done).on_course
     assert not after(memory, done, line_2=3).on_course
     last = replace(memory, step=4 + done + 9, observed=memory.course.states[-1])
-    assert recovery.still_on_course(DOMAIN, STATIC, last).on_course
+    assert recovery.still_on_course(FACTORY, STATIC, {}, last).on_course
 
 
 def test_without_a_plan_nobody_is_on_course() -> None:
-    assert not recovery.still_on_course(DOMAIN, STATIC, Memory(observed=ALONE)).on_course
+    assert not recovery.still_on_course(FACTORY, STATIC, {}, Memory(observed=ALONE)).on_course

@@ -192,9 +192,9 @@ def test_a_lender_names_the_robot_as_it_was_built(make_system: MakeSystem) -> No
     stage = Stage(make_system, LENDER)
     stage.ask(m.Enquire(1))
     adopted = stage.ask(m.Adopt(1, 3, m.Question("lend", 5, 0)))
-    assert (adopted.worker, adopted.robot, adopted.at) == ("w2", "T1.w2", 3)
+    assert adopted.gave == (m.Hand("worker", 3, "w2", "T1.w2"),)
     stage.ask(m.Go(1, 3))
-    assert stage.ask(m.Enquire(2)).gave == (m.Handover("T1.w2", 3),)
+    assert stage.ask(m.Enquire(2)).gave == (m.Handover("T1.w2", 3, "worker"),)
 
 
 GIVEN = (("move(w1,right)",), ("workOn(w1,1)",))

@@ -10,6 +10,7 @@ import pytest
 from agents.questions import Planning
 from agents.thinker import Thinker
 from bus.messages import Question
+from reasoning.values import Problem
 from tests.agents.rooms import DOMAIN, LENDER, STATIC
 
 LIMIT_S = 10.0
@@ -99,8 +100,7 @@ def test_a_bug_in_a_thought_surfaces_in_the_main_loop() -> None:
 
 def test_a_search_that_was_cancelled_does_not_cancel_those_after_it() -> None:
     """The planner and what it has learned outlive the piece of work that they were made for."""
-    planning = Planning(DOMAIN, STATIC, None, lambda: None)
-    planning.begin(1, LENDER, "w3", None, 0)
+    planning = Planning(1, Problem(DOMAIN, STATIC, LENDER, "w3"))
     asked = list[bool]()
 
     def cancelled() -> bool:

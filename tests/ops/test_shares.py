@@ -6,13 +6,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
+from agents.setups import CoordinatorSetup, TeamSetup
+from bus.scene import Scene, Transport
 from ops import shares
 from ops.compile import compile_scenario, start
 from ops.planning import solve
 from ops.scenario import Scenario, parse
-from ops.tables import InputError
 from reasoning.domain import load
 from reasoning.solver import Program
 
@@ -91,6 +93,20 @@ def test_carriers_are_lent_too() -> None:
     assert [(x["worker"], x["from"], x["to"], x["as"]) for x in lent.exchanges] == [("c1", "T2", "T1", "c1")]
 
 
-def test_a_scenario_with_general_sharing_is_not_run() -> None:
-    with pytest.raises(InputError, match="sharing: expected published: general sharing can be planned"):
-        compile_scenario(SHARED["a carrier is lent"])
+def test_who_shares_in_general_is_told_how_many_robots_there_are_and_how_long_they_travel() -> None:
+    files = compile_scenario(SHARED["delays differ by pair"]).files
+    told = msgspec.convert(files["coordinator"], CoordinatorSetup)
+    market = told.market()
+    assert market is not None
+    assert (market.steps("T2", "T1"), market.steps("T3", "T1"), market.steps("T1", "T3")) == (4, 2, 1)
+    assert market.most == {"carrier": 2, "worker": 2}
+    assert msgspec.convert(files["T2"], TeamSetup).guests == market.most
+    scene = files["world"]
+    assert isinstance(scene, Scene)
+    assert scene.transports == (Transport("T2", "T1", 4), Transport("T3", "T1", 2))
+
+
+def test_under_the_published_limits_nobody_is_told_of_kinds() -> None:
+    files = compile_scenario(scenario(team(1, TOP), HELPER, sharing="published")).files
+    assert msgspec.convert(files["coordinator"], CoordinatorSetup).market() is None
+    assert not msgspec.convert(files["T1"], TeamSetup).guests
