@@ -1,0 +1,283 @@
+"""An autonomous team does one thing after the other: it looks, thinks, carries out its plan step by step, goes on after
+what stopped it, helps and is helped, takes a final look, and rests when there is nothing more to do.
+
+What comes next follows from the memory alone, so a team that was killed goes on where it was.
+"""
+
+from __future__ import annotations
+
+from agents.autonomous import helping, recovering
+from agents.autonomous.escort import Escort
+from agents.autonomous.helpers import Helpers
+from agents.autonomous.memory import Begun, Purpose
+from agents.autonomous.mind import COORDINATOR, WORLD, Mind
+from agents.autonomous.thinking import GUEST, Thought
+from agents.autonomous.ways import NoWay
+from bus import messages as m
+from bus.messages import Envelope
+from reasoning.values import Value
+
+AGAIN_UNITS = 3
+"""After so many units help that was refused is asked for again."""
+
+
+class Acting:
+    """At most one thing is under way: a look, a thought, or a step."""
+
+    def __init__(self, mind: Mind) -> None:
+        self.mind = mind
+        self.helpers = Helpers(mind, self.go_on)
+        self.escort = Escort(mind, self.helpers, self.execute)
+        self._looking = self._thinking = False
+
+    def resume(self) -> None:
+        """After a restart: a step that was begun is asked for again under the same id, so it happens once; so is what
+        was to be told."""
+        if self.mind.memory.begun is not None:
+            self._send(self.mind.memory.begun)
+        if self.mind.memory.rest is not None:
+            self._report(self.mind.memory.rest)
+        self.helpers.tell()
+
+    # ------------------------------------------------------------ what comes next
+    def go_on(self) -> None:
+        """Do the next thing, unless something is under way or there is reason to wait."""
+        mind, now = self.mind, self.mind.memory
+        if now.begun is not None or self._looking or self._thinking or now.peers is None:
+            return
+        if now.until_s > mind.node.now_s + 1e-9:
+            mind.node.wake_at(now.until_s)
+        elif not now.looked:
+            self._look()
+        elif now.stopped:
+            self._drive_on()
+        elif now.course is None and any(mind.words.between_cells(now.state, r) for r in mind.words.robots(now.state)):
+            self._to_safety()
+        elif self.escort.duty():
+            pass
+        elif now.left:
+            self._step()
+        elif now.need is not None and now.course is not None:
+            self._ask()
+        elif now.course is not None and not now.resting:
+            mind.emit("final_look", "has nothing more to do, and looks at the whole room again", step=now.step)
+            mind.keep(course=None, looked=False)
+            self.go_on()
+        elif now.course is None:
+            self._think()
+        else:
+            mind.show("at rest")
+
+    def _wait(self, units: int) -> None:
+        """Do nothing for so many units of time, then look."""
+        until_s = self.mind.node.now_s + units * self.mind.unit_s
+        self.mind.keep(until_s=until_s, looked=False)
+        self.mind.node.wake_at(until_s)
+
+    # ------------------------------------------------------------ looking and thinking
+    def _look(self) -> None:
+        self._looking = True
+        self.mind.show("looking")
+        self.mind.request(WORLD, m.Observe(self.mind.team), self._looked)
+
+    def _looked(self, envelope: Envelope) -> None:
+        self._looking = False
+        if isinstance(envelope.body, m.Observed):
+            self.mind.keep(state=self.mind.see(envelope.body.state), looked=True)
+        self.go_on()
+
+    def _think(self) -> None:
+        """Make a plan from what is believed now."""
+        mind, now = self.mind, self.mind.memory
+        if not mind.words.robots(now.state):
+            mind.show("waiting for its robot")
+            return
+        self._thinking = True
+        mind.show("planning")
+        helped = now.alone or now.help.phase == "here"
+
+        def think(_: object) -> Thought:
+            if now.help.phase in ("coming", "underway") and not (now.need is not None and now.need.strong):
+                doors = mind.words.doors(mind.static, now.state)[now.help.partner_room]
+                arrival = mind.words.now(now.state) + max(now.help.units, mind.delay)
+                course = mind.thinking.with_helper(now.state, now.aside, doors[0], arrival)
+                if course is not None:
+                    return Thought(course, None, now.aside, now.late)
+            return mind.thinking.consider(now.state, now.aside, helped=helped, late=now.late)
+
+        mind.thinker.start(think, self._thought)
+
+    def _thought(self, thought: Thought) -> None:
+        self._thinking = False
+        mind, now = self.mind, self.mind.memory
+        course = thought.course or recovering.nothing(now.state)
+        with mind.node.journal.transaction():
+            for thing in sorted(set(thought.aside) - set(now.aside)):
+                why = thought.aside[thing]
+                mind.emit("set_aside", f"leaves {thing} as it is: {why}", thing=thing, reason=why)
+            if thought.late and not now.late:
+                mind.emit("deadline_missed", "cannot meet its deadline, and does what it can", step=now.step)
+            if course.steps:
+                recovering.tell_plan(mind, thought, course)
+            mind.keep(
+                course=course,
+                at=0,
+                need=thought.need,
+                aside=thought.aside,
+                late=now.late or thought.late,
+                plans=now.plans + bool(course.steps),
+            )
+            if not course.steps and thought.need is None and now.help.phase in ("none", "refused"):
+                self._rest()
+        self.go_on()
+
+    # ------------------------------------------------------------ steps
+    def _step(self) -> None:
+        """The next step of the plan."""
+        mind, now = self.mind, self.mind.memory
+        course, words = now.course, mind.words
+        assert course is not None
+        actions = course.steps[now.at]
+        if any(f"({GUEST}" in action for action in actions):
+            mind.show(f"waiting for the robot of {now.help.partner}")
+            if now.help.phase not in ("coming", "underway"):
+                mind.keep(course=None)
+                self.go_on()
+            return
+        units = words.now(course.states[now.at + 1]) - words.now(course.states[now.at])
+        try:
+            calls = mind.ways.calls(now.state, actions, course.details.get(now.at, {}), units)
+        except NoWay as error:
+            self._replan(str(error))
+            return
+        self.execute("plan", actions, calls, course.states[now.at + 1])
+
+    def execute(
+        self,
+        purpose: Purpose,
+        actions: tuple[str, ...],
+        calls: tuple[m.SkillCall, ...],
+        predicted: dict[str, Value] | None = None,
+    ) -> None:
+        """Have the world carry out a step."""
+        entering = self.escort.entering() if purpose == "plan" else ()
+        begun = Begun(self.mind.memory.step, purpose, actions, (*calls, *entering), predicted or {})
+        self.mind.keep(begun=begun)
+        self._send(begun)
+
+    def _send(self, begun: Begun) -> None:
+        """Ask the world; the id is the step's own, so that a repetition after a restart is the same command."""
+        team = self.mind.team
+        self.mind.show("executing" if begun.purpose == "plan" else recovering.DOING[begun.purpose])
+        body = m.Execute(team, begun.step, begun.calls)
+        self.mind.request(WORLD, body, self._executed, f"{team}.step.{begun.step}")
+
+    def _executed(self, envelope: Envelope) -> None:
+        body, begun = envelope.body, self.mind.memory.begun
+        if not isinstance(body, m.Executed) or begun is None or body.step != begun.step:
+            return
+        mind, before = self.mind, self.mind.memory
+        with mind.node.journal.transaction():
+            mind.keep(step=begun.step + 1, begun=None, state=mind.see(body.state))
+            self.escort.came_in()
+            if begun.purpose == "plan":
+                mind.keep(at=before.at + 1)
+                recovering.after_step(mind, begun, before, body)
+            elif begun.purpose in ("drive_on", "safe"):
+                recovering.after_driving(mind, begun, before, body)
+            else:
+                self.escort.executed(begun)
+        self.helpers.tell()
+        self.go_on()
+
+    # ------------------------------------------------------------ recovery
+    def _drive_on(self) -> None:
+        """Robots that stopped go on from where they stand, by other ways: to the next state of the plan."""
+        mind, now = self.mind, self.mind.memory
+        try:
+            calls = tuple(
+                mind.ways.driving(now.state, robot, now.stopped, recovering.people(mind.words, now.state))
+                for robot in sorted(now.stopped)
+            )
+        except NoWay as error:
+            if mind.words.persons(now.state) and now.waited < recovering.PATIENCE_UNITS:
+                mind.keep(waited=now.waited + 1)
+                self._wait(1)
+                self.go_on()
+            else:
+                self._replan(str(error))
+            return
+        for robot in sorted(now.stopped):
+            x, y = now.stopped[robot]
+            mind.emit("new_way", f"sends {robot} on to ({x},{y}) by another way", robot=robot, step=now.step)
+        self.execute("drive_on", tuple(recovering.term(c) for c in calls), calls)
+
+    def _to_safety(self) -> None:
+        """Robots between cells go to the middle of one: only from there can be planned."""
+        mind, now = self.mind, self.mind.memory
+        goals = recovering.safe_cells(mind, now.state)
+        calls = tuple(mind.ways.driving(now.state, robot, goals, ()) for robot in sorted(goals))
+        for robot in sorted(goals):
+            x, y = goals[robot]
+            mind.emit("safe_state", f"has {robot} go to ({x},{y}), where it is safe", robot=robot, step=now.step)
+        self.execute("safe", tuple(recovering.term(c) for c in calls), calls)
+
+    def _replan(self, why: str) -> None:
+        self.mind.emit("plan_dropped", f"plans anew: {why}", step=self.mind.memory.step, reason=why)
+        self.mind.keep(course=None, stopped={}, waited=0, looked=False)
+        self.go_on()
+
+    # ------------------------------------------------------------ help
+    def _ask(self) -> None:
+        """The rest needs help: ask for it; if nobody can, offer it instead; then ask again."""
+        mind, now = self.mind, self.mind.memory
+        need, help_ = now.need, now.help
+        assert need is not None
+        match help_.phase:
+            case "none":
+                self.helpers.call("want", need.units, need.strong, need.about)
+            case "refused" if need.deadline or self._nobody_ever():
+                reasons = "; ".join(f"{team}: {a.reason}" for team, a in sorted(help_.answers.items()))
+                text = f"finds nobody who can help: {reasons or 'there is nobody'}"
+                mind.emit("nobody_helps", text, about=need.about)
+                mind.keep(alone=True, need=None, course=None, help=helping.give_up(help_), looked=False)
+                self.go_on()
+            case "refused" if not now.offered:
+                self.helpers.call("offer", 4 + mind.delay, False, "")
+            case "refused":
+                mind.keep(help=helping.give_up(help_), offered=False)
+                self._wait(AGAIN_UNITS)
+            case _:
+                mind.show(f"waiting for help {need.about}")
+
+    def _nobody_ever(self) -> bool:
+        """Was help asked for, and will no answer ever be another one?"""
+        help_ = self.mind.memory.help
+        return help_.kind == "want" and not any(answer.later for answer in help_.answers.values())
+
+    # ------------------------------------------------------------ rest
+    def _rest(self) -> None:
+        """Nothing more to do: tell the coordinator."""
+        mind, now = self.mind, self.mind.memory
+        number = now.rest.number + 1 if now.rest is not None else 1
+        late = now.late or 0 < mind.words.deadline(mind.static, now.state) < mind.words.now(now.state)
+        report = m.AtRest(number, now.step, now.plans, now.aside, late)
+        mind.keep(rest=report, resting=True)
+        left = f", but for {', '.join(sorted(now.aside))}" if now.aside else ""
+        mind.emit("team_finished", f"is done{left} after {now.step} steps", step=now.step, untidy=sorted(now.aside))
+        mind.node.journal.afterwards(lambda: self._report(report))
+
+    def _report(self, report: m.AtRest) -> None:
+        self.mind.request(COORDINATOR, report, lambda _: None, f"{self.mind.team}.rest.{report.number}")
+
+    def look_again(self) -> None:
+        """Something may have changed in the room of a team at rest."""
+        if self.mind.memory.resting:
+            self.mind.keep(resting=False, course=None, looked=False)
+            self.go_on()
+
+    @property
+    def finished(self) -> bool:
+        """Is there nothing to do, and nobody to wait for?"""
+        now = self.mind.memory
+        return now.resting and now.help.phase in ("none", "refused") and not now.help.off

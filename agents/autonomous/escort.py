@@ -1,0 +1,130 @@
+"""Robots on their way between rooms: out by the door, in by the door, and back to where they stood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from agents.autonomous import helping, recovering
+from agents.autonomous.helpers import Helpers
+from agents.autonomous.memory import Begun, Purpose
+from agents.autonomous.mind import Mind
+from agents.autonomous.ways import NoWay
+from bus.messages import SkillCall
+from reasoning.geometry import Cell, cell
+
+Execute = Callable[[Purpose, tuple[str, ...], tuple[SkillCall, ...]], None]
+
+
+class Escort:
+    """What help makes a team do besides its plan."""
+
+    def __init__(self, mind: Mind, helpers: Helpers, execute: Execute) -> None:
+        self.mind, self.helpers, self._execute = mind, helpers, execute
+
+    # ------------------------------------------------------------ what is to be done
+    def duty(self) -> bool:
+        """Do what help asks for now; False if that is nothing, and the plan goes on."""
+        now = self.mind.memory
+        match now.help.phase:
+            case "called":
+                robot = now.help.name or self._choose()
+                if self.mind.words.held(now.state, robot) is not None and now.left:
+                    return False  # first it puts down what it holds
+                self._send_out(robot)
+                return True
+            case "underway" if not now.left:
+                self._execute("enter", (), self.entering())
+                return True
+            case "here" if not now.left and now.course is not None and now.need is None:
+                self._send_out(now.help.name)
+                return True
+            case "homing":
+                self._fetch_home()
+                return True
+        return False
+
+    def _choose(self) -> str:
+        """An offer did not say which robot would go."""
+        mind, now = self.mind, self.mind.memory
+        robots = mind.words.robots(now.state)
+        free = [robot for robot in robots if mind.words.held(now.state, robot) is None]
+        robot = (free or robots)[0]
+        self.helpers.take(helping.chosen(now.help, f"{mind.team}.{robot}", robot))
+        return robot
+
+    def _send_out(self, robot: str) -> None:
+        """To the door, and out: the own robot that helps, or the guest."""
+        mind, now = self.mind, self.mind.memory
+        at, words = mind.words.cell(now.state, robot), mind.words
+        doors = words.doors(mind.static, now.state)[now.help.partner_room]
+        if at in doors:
+            action = f"{words.leave}({robot},{now.help.partner_room})"
+            self._execute("leave", (action,), (SkillCall(words.leave, (robot, now.help.partner_room)),))
+            return
+        if not now.stood and at is not None and not now.help.asker:
+            mind.keep(stood=recovering.written(at))
+        self._drive("door", robot, doors)
+
+    def entering(self) -> tuple[SkillCall, ...]:
+        """The call that lets a robot in that is on its way here."""
+        help_ = self.mind.memory.help
+        if help_.phase not in ("underway", "homing") or help_.name in self.mind.words.robots(self.mind.memory.state):
+            return ()
+        return (SkillCall(self.mind.words.enter, (help_.name,), {"robot": help_.robot}),)
+
+    def _fetch_home(self) -> None:
+        mind, now = self.mind, self.mind.memory
+        if now.help.name not in mind.words.robots(now.state):
+            self._execute("enter", (), self.entering())
+        elif now.stood and recovering.written(mind.words.cell(now.state, now.help.name) or (-1, -1)) != now.stood:
+            self._drive("home", now.help.name, [cell(now.stood)])
+        else:
+            self._is_home()
+
+    def _drive(self, purpose: Purpose, robot: str, cells: list[Cell]) -> None:
+        """To the first of these cells that is free and can be reached; if there is none, wait a unit."""
+        mind, now = self.mind, self.mind.memory
+        taken = {mind.words.cell(now.state, other) for other in mind.words.robots(now.state) if other != robot}
+        for goal in cells:
+            if goal in taken:
+                continue
+            try:
+                call = mind.ways.driving(now.state, robot, {robot: goal}, recovering.people(mind.words, now.state))
+            except NoWay:
+                continue
+            self._execute(purpose, (recovering.term(call),), (call,))
+            return
+        if purpose == "home":  # it stays where it is: somebody has taken its place
+            self._is_home()
+            return
+        until_s = mind.node.now_s + mind.unit_s
+        mind.keep(until_s=until_s, looked=False)
+        mind.node.wake_at(until_s)
+
+    # ------------------------------------------------------------ what came of it
+    def executed(self, begun: Begun) -> None:
+        """A step on the way between rooms is over; one that failed is tried again."""
+        mind, now = self.mind, self.mind.memory
+        if begun.purpose == "leave" and now.help.name not in mind.words.robots(now.state):
+            partner, guest = now.help.partner, now.help.asker
+            kind, text = ("helper_sent_back", "sends") if guest else ("helper_left", "has")
+            where = f"back to {partner}" if guest else f"leave for {partner}"
+            mind.emit(kind, f"{text} {now.help.name} {where}", robot=now.help.name, to=partner)
+            mind.keep(help=helping.left(now.help), course=None, looked=False)
+
+    def came_in(self) -> None:
+        """Has the robot come in that was on its way here?"""
+        mind, now = self.mind, self.mind.memory
+        if now.help.name not in mind.words.robots(now.state):
+            return
+        if now.help.phase == "underway":
+            text = f"has {now.help.name} of {now.help.partner} at its orders"
+            mind.emit("helper_came", text, robot=now.help.name, of=now.help.partner)
+            mind.keep(help=helping.came(now.help), course=None, need=None, looked=False)
+
+    def _is_home(self) -> None:
+        mind, now = self.mind, self.mind.memory
+        text = f"has {now.help.name} back from {now.help.partner}, and resumes its own work"
+        mind.emit("helper_returned", text, robot=now.help.name, of=now.help.partner)
+        mind.keep(help=helping.home(now.help), stood="", course=None, looked=False, resting=False, offered=False)
+        self.helpers.tell()

@@ -1,0 +1,136 @@
+"""The protocol of help as it runs over the bus: what has to be told is told, what is heard is taken in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from agents.autonomous import helping
+from agents.autonomous.helping import Help
+from agents.autonomous.mind import Mind
+from agents.autonomous.willing import Willing, willing
+from bus import messages as m
+from bus.messages import Envelope
+
+
+class Helpers:
+    """Keeps `memory.help`. `changed` is called when it has changed by what others say."""
+
+    def __init__(self, mind: Mind, changed: Callable[[], None]) -> None:
+        self.mind, self._changed = mind, changed
+
+    @property
+    def _peers(self) -> tuple[str, ...]:
+        return self.mind.memory.peers or ()
+
+    # ------------------------------------------------------------ telling
+    def tell(self) -> None:
+        """Have under way what is still to be told, and nothing else."""
+        mind, help_ = self.mind, self.mind.memory.help
+        told = helping.pending(mind.team, mind.words.here(mind.memory.state), help_)
+        for request in mind.under_way(f"{mind.team}.h."):
+            if request not in told:
+                mind.forget(request)
+        for request, (to, body) in told.items():
+            mind.request(to, body, partial(self._replied, body), request)
+
+    def call(self, kind: str, units: int, strong: bool, about: str) -> None:
+        """Ask all others for help, or offer it."""
+        mind = self.mind
+        offer = kind == "offer"
+        help_ = helping.call(
+            mind.team, mind.memory.help, "offer" if offer else "want", units, strong, about, self._peers
+        )
+        with mind.node.journal.transaction():
+            mind.keep(help=help_, offered=offer)
+            if offer:
+                mind.emit("help_offered", f"offers to help: a robot could be there in {units} units", units=units)
+            else:
+                text = f"asks all others for help {about}, for {units} units"
+                mind.emit("help_wanted", text, units=units, about=about)
+        self.tell()
+
+    def take(self, help_: Help) -> None:
+        """Something has become of the help that the team itself knows of."""
+        self.mind.keep(help=help_)
+        self.tell()
+
+    # ------------------------------------------------------------ what is asked
+    def called(self, envelope: Envelope, body: m.HelpCall) -> None:
+        """Another team calls: think about it, then answer."""
+        mind = self.mind
+        now = mind.memory
+
+        def think(_: object) -> Willing:
+            return willing(mind.words, mind.static, mind.thinking, now, body, mind.delay)
+
+        mind.thinker.start(think, partial(self._decide, envelope, body))
+
+    def _decide(self, envelope: Envelope, body: m.HelpCall, found: Willing) -> None:
+        mind = self.mind
+        help_, answer = helping.heard_call(mind.team, mind.memory.help, envelope.src, body, found.answer)
+        if answer.yes and found.robot:
+            help_ = helping.chosen(help_, f"{mind.team}.{found.robot}", found.robot)
+        says = "says yes" if answer.yes else f"says no: {answer.reason}"
+        what = "call for help" if body.kind == "want" else "offer of help"
+        with mind.node.journal.transaction():
+            mind.keep(help=help_)
+            mind.node.reply(envelope, answer)
+            mind.emit(
+                "help_answered", f"{says} to the {what} of {envelope.src}",
+                of=envelope.src, call=body.kind, yes=answer.yes, units=answer.units, reason=answer.reason,
+            )  # fmt: skip
+        self.tell()
+        self._changed()
+
+    def settled(self, envelope: Envelope, body: m.HelpSettled) -> None:
+        """A promise is confirmed or released."""
+        mind = self.mind
+        before = mind.memory.help
+        help_, reply = helping.heard_settled(mind.team, before, envelope.src, body)
+        with mind.node.journal.transaction():
+            mind.keep(help=help_)
+            mind.node.reply(envelope, reply)
+            if before.phase == "promised" and help_.phase == "none":
+                mind.emit("help_released", f"is released by {envelope.src}", by=envelope.src)
+        self.tell()
+        self._changed()
+
+    def sent(self, envelope: Envelope, body: m.RobotSent) -> None:
+        """A robot has left for this room."""
+        mind = self.mind
+        help_, reply = helping.heard_sent(mind.memory.help, envelope.src, body)
+        with mind.node.journal.transaction():
+            mind.keep(help=help_)
+            mind.node.reply(envelope, reply)
+        self.tell()
+        self._changed()
+
+    def present(self, teams: tuple[str, ...], number: int) -> None:
+        """The coordinator says who is in contact."""
+        mind = self.mind
+        if number <= mind.memory.told:
+            return
+        peers = tuple(team for team in teams if team != mind.team)
+        help_ = mind.memory.help
+        for name in sorted({*help_.asked, help_.partner} - {"", *peers}):
+            help_ = helping.lost(mind.team, help_, name)
+        mind.keep(peers=peers, told=number, help=help_)
+        self.tell()
+
+    # ------------------------------------------------------------ what is replied
+    def _replied(self, about: m.Body, reply: Envelope) -> None:
+        mind, help_, body = self.mind, self.mind.memory.help, reply.body
+        if isinstance(body, m.HelpAnswer):
+            help_ = helping.heard_answer(mind.team, help_, reply.src, body)
+        elif isinstance(body, m.HelpStands):
+            help_ = helping.heard_stands(help_, reply.src, about, body)
+        confirmed = mind.memory.help.phase == "confirming" and help_.engaged
+        with mind.node.journal.transaction():
+            mind.keep(help=help_)
+            if confirmed:
+                which = "helps" if help_.asker else "is helped by"
+                text = f"and {help_.partner} are agreed: {help_.partner} {which} {mind.team}"
+                mind.emit("help_confirmed", text, partner=help_.partner, call=help_.kind)
+        self.tell()
+        self._changed()

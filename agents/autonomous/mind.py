@@ -1,0 +1,136 @@
+"""What the parts of an autonomous team's agent share: its place on the bus, its memory, its room, and who waits for
+which reply."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from msgspec.structs import replace
+
+from agents.autonomous import helping, memory
+from agents.autonomous.beliefs import believed
+from agents.autonomous.thinking import Thinking
+from agents.autonomous.ways import Ways
+from agents.autonomous.words import words
+from agents.setups import TeamSetup
+from agents.thinker import Thinker
+from bus import messages as m
+from bus.messages import Envelope, State
+from bus.node import Node
+from reasoning import domain as domains
+from reasoning import geometry
+from reasoning.solver import parse
+
+WORLD, COORDINATOR = "world", "coordinator"
+
+
+class Mind:
+    """`memory` is what the team must not forget; it changes by `keep` alone. `wait_s` is the time of a unit."""
+
+    def __init__(self, node: Node, setup: TeamSetup, thinker: Thinker) -> None:
+        self.node, self.setup, self.thinker = node, setup, thinker
+        self.team = setup.team
+        self.domain = domains.load(setup.domain)
+        self.words = words(self.domain)
+        self.static = dict(setup.static)
+        self.memory = memory.load(node.journal)
+        self.unit_s = self.domain.data.time["period_s"]
+        self.delay = int(self.static.get("delay", 0))
+        self.thinking = Thinking(self.domain, self.team, self.words, self.static, lambda: False)
+        self._ways: Ways | None = None
+        self._waiting: dict[str, Callable[[Envelope], None]] = {}
+
+    # ------------------------------------------------------------ memory
+    def keep(self, **changed: Any) -> None:
+        """Write down what has changed, in the transaction under way if there is one."""
+        self.memory = replace(self.memory, **changed)
+        memory.save(self.node.journal, self.memory)
+
+    def see(self, seen: State) -> State:
+        """What is to be believed after a look."""
+        room = geometry.room(self.domain, self.static, seen)
+        return dict(believed(self.words, room, self.memory.state, seen))
+
+    @property
+    def ways(self) -> Ways:
+        """Ways in the team's room; only after the first look."""
+        if self._ways is None:
+            room = geometry.room(self.domain, self.static, self.memory.state)
+            assert room is not None, "a team that has not looked knows no room"
+            time = self.domain.data.time
+            self._ways = Ways(self.words, room, time["fast_m"], time["careful_m"])
+        return self._ways
+
+    # ------------------------------------------------------------ requests
+    def request(self, to: str, body: m.Body, react: Callable[[Envelope], None], request_id: str = "") -> None:
+        """Send a request whose reply goes to `react`; one that is under way already is not sent again."""
+        if request_id not in self._waiting:
+            self._waiting[self.node.request(to, body, request_id=request_id)] = react
+
+    def forget(self, request_id: str) -> None:
+        """Nobody waits for this reply any more."""
+        if self._waiting.pop(request_id, None) is not None:
+            self.node.forget(request_id)
+
+    def under_way(self, prefix: str) -> list[str]:
+        """The ids of unanswered requests that begin so."""
+        return [request for request in self._waiting if request.startswith(prefix)]
+
+    def hear(self, reply: Envelope) -> None:
+        """Give a reply to who waits for it."""
+        react = self._waiting.pop(reply.re, None)
+        if react is not None:
+            react(reply)
+
+    # ------------------------------------------------------------ telling
+    def emit(self, kind: str, text: str, /, **data: object) -> None:
+        """Report an event of this team."""
+        self.node.emit(kind, f"{self.team} {text}", team=self.team, **data)
+
+    def show(self, doing: str) -> None:
+        """Say what the team is doing, to people who watch."""
+        now, plan = self.memory, self.memory.course
+        ways = {}
+        for call in now.begun.calls if now.begun is not None else ():
+            if "way" in call.detail:
+                points = (geometry.cell(point) for point in map(_text, parse(str(call.detail["way"]))[1]))
+                ways[str(call.args[0])] = tuple((x / 1000, y / 1000) for x, y in points)
+        self.node.status(
+            m.Status(
+                "team",
+                doing,
+                now.step,
+                now.step - now.at,
+                plan.steps if plan is not None else (),
+                finished=now.resting,
+                ways=ways,
+                helping=said(now.help),
+                elapsed=self.words.now(now.state) if now.state else -1,
+                deadline=self.words.deadline(self.static, now.state) if now.state else 0,
+            )
+        )
+
+
+def said(help_: helping.Help) -> str:
+    """Help under way, in a few words for people."""
+    wants, partner = "help" if help_.kind == "want" else "to help", help_.partner
+    return {
+        "none": "",
+        "calling": f"asks for help {help_.about}" if help_.kind == "want" else "offers help",
+        "confirming": f"confirms {partner}",
+        "refused": "nobody can help now",
+        "promised": f"has promised {partner} {wants}",
+        "called": f"sends a robot to {partner}",
+        "sending": f"sends {help_.name} to {partner}",
+        "lent": f"{help_.name} helps {partner}",
+        "homing": f"{help_.name} comes back from {partner}",
+        "coming": f"expects a robot of {partner}",
+        "underway": f"expects {help_.name} of {partner}",
+        "here": f"{help_.name} of {partner} helps",
+        "returning": f"sends {help_.name} back to {partner}",
+    }[help_.phase]
+
+
+def _text(term: object) -> str:
+    return str(term)

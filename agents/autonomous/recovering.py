@@ -1,0 +1,172 @@
+"""What follows when a step is over: on with the plan, or the recovery that belongs to the cause of the difference.
+
+| cause            | recovery                                                                                       |
+|------------------|------------------------------------------------------------------------------------------------|
+| unknown_object   | another way to the plan's next state, from where the robot stands; if there is none, to a safe |
+|                  | cell, and plan with the object known                                                           |
+| person_in_way    | wait a unit, then another way                                                                  |
+| held_up          | another way                                                                                    |
+| object_not_found | look, plan anew                                                                                |
+| heavy_object     | plan anew: with both robots of the room, or the heavy object last and with help                |
+| robot_broken     | plan anew without the robot                                                                    |
+| object_appeared  | none: ways go round it, and the final look finds it                                            |
+| deadline_at_risk | plan anew, with help if that is the only way                                                   |
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from agents.autonomous.causes import Cause, causes
+from agents.autonomous.thinking import Course, Thought
+from agents.autonomous.words import Words
+from bus.messages import Executed, SkillCall
+from reasoning.geometry import Cell
+from reasoning.motion.layout import Disc
+from reasoning.solver import parse
+from reasoning.values import State
+from reasoning.words import count
+
+if TYPE_CHECKING:
+    from agents.autonomous.memory import Begun, Memory
+    from agents.autonomous.mind import Mind
+
+DOING = {
+    "drive_on": "going on by another way",
+    "safe": "going to a safe cell",
+    "door": "sending a robot to the door",
+    "leave": "sending a robot to another room",
+    "enter": "letting a robot in",
+    "home": "sending a robot back to its place",
+}
+PATIENCE_UNITS = 40
+"""So long is waited for a person who stands in the way."""
+PERSON_M = 0.35
+"""How far ways keep off the middle of the cell in which a person stands, besides the robot's radius."""
+STOPS = ("unknown_object", "person_in_way", "held_up")
+WORDS = {
+    "heavy_object": "finds {0} too heavy for one robot",
+    "object_not_found": "does not find {0} where it should be",
+    "person_in_way": "has a person in the way of {1}: {0}",
+    "unknown_object": "has an unknown object in the way of {1}: {0}",
+    "held_up": "has {1} held up by {0}",
+    "robot_broken": "finds that {0} does not do what it should: it must be broken",
+    "object_appeared": "sees {0}, which it did not know of",
+}
+
+
+def after_step(mind: Mind, begun: Begun, before: Memory, body: Executed) -> None:
+    """A step of the plan is over. `before` is the memory when it was."""
+    now = mind.memory
+    found = causes(mind.words, before.state, begun.predicted, now.state, body.felt, begun.actions)
+    for cause in found:
+        _tell(mind, cause, body.step)
+    goals = _goals(begun, mind.words)
+    if any(cause.name not in (*STOPS, "object_appeared") for cause in found):
+        mind.keep(course=None, need=None, stopped={}, looked=False)
+    else:
+        _stop(mind, {cause.robot: goals[cause.robot] for cause in found if cause.name in STOPS}, found)
+    if not found:
+        _watch_deadline(mind, body.step)
+
+
+def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> None:
+    """Robots went on after they had stopped. `begun` has their goals."""
+    now = mind.memory
+    goals = _goals(begun, mind.words)
+    left = {r: goal for r, goal in goals.items() if mind.words.cell(now.state, r) != goal or _stands_off(mind, r)}
+    predicted = {**now.state, **{f"{mind.words.place}({r})": written(goal) for r, goal in left.items()}}
+    actions = [action for action in begun.actions if str(parse(action)[1][0]) in left]
+    found = causes(mind.words, before.state, predicted, now.state, body.felt, actions)
+    for cause in found:
+        _tell(mind, cause, body.step)
+    if begun.purpose == "safe" or any(cause.name not in (*STOPS, "object_appeared") for cause in found):
+        mind.keep(course=None, stopped={}, looked=False)
+    else:
+        _stop(mind, left, found)
+
+
+def _stop(mind: Mind, stopped: dict[str, Cell], found: list[Cause]) -> None:
+    """Robots that stopped go on in the next step; where a person was in the way, after a while."""
+    person = any(cause.name == "person_in_way" for cause in found)
+    waited = mind.memory.waited + 1 if person else mind.memory.waited if stopped else 0
+    mind.keep(stopped=stopped, waited=waited)
+    if person:
+        until_s = mind.node.now_s + mind.unit_s
+        mind.emit("waited", "waits for a unit of time", step=mind.memory.step)
+        mind.keep(until_s=until_s, looked=False)
+        mind.node.wake_at(until_s)
+
+
+def _watch_deadline(mind: Mind, step: int) -> None:
+    """Will the rest of the plan still end in time?"""
+    now, words = mind.memory, mind.words
+    deadline = words.deadline(mind.static, now.state)
+    if now.course is None or not deadline or now.late:
+        return
+    end = words.now(now.state) + words.now(now.course.states[-1]) - words.now(now.course.states[now.at])
+    if end > deadline and now.left:
+        text = f"would be done after {end} units, and the deadline is at {deadline}"
+        mind.emit("deadline_at_risk", text, step=step, end=end, deadline=deadline)
+        mind.keep(course=None, looked=False)
+
+
+def tell_plan(mind: Mind, thought: Thought, course: Course) -> None:
+    """A plan is adopted."""
+    makespan = len(course.steps)
+    then = f", then help {thought.need.about}" if thought.need is not None else ""
+    mind.emit(
+        "plan_adopted",
+        f"adopts a plan of {count(makespan, 'step')}{then}: {thought.proof}",
+        epoch=mind.memory.plans + 1,
+        start=mind.memory.step,
+        makespan=makespan,
+        role="alone" if thought.need is None else "with_help",
+        status=thought.status,
+        proof=thought.proof,
+    )
+
+
+def _tell(mind: Mind, cause: Cause, step: int) -> None:
+    """Causes are events of their own names."""
+    text = WORDS[cause.name].format(cause.about, cause.robot)
+    mind.emit(cause.name, text, step=step, about=cause.about, robot=cause.robot)
+
+
+def _goals(begun: Begun, words: Words) -> dict[str, Cell]:
+    """Where robots were to go in a step."""
+    terms = [parse(action) for action in begun.actions]
+    return {str(args[0]): (int(args[1]), int(args[2])) for name, args in terms if name == words.go}
+
+
+def _stands_off(mind: Mind, robot: str) -> bool:
+    return mind.words.between_cells(mind.memory.state, robot)
+
+
+def safe_cells(mind: Mind, state: State) -> dict[str, Cell]:
+    """For each robot between cells, the nearest cell whose middle it can get to and where nobody is."""
+    words = mind.words
+    goals: dict[str, Cell] = {}
+    taken = {words.cell(state, r) for r in words.robots(state) if not words.between_cells(state, r)}
+    for robot in words.robots(state):
+        if words.between_cells(state, robot):
+            goals[robot] = mind.ways.nearest_cell(state, robot, {*taken, *goals.values()})
+    return goals
+
+
+def people(words: Words, state: State) -> tuple[Disc, ...]:
+    """People, as obstacles."""
+    return tuple((*words.point(state, person), PERSON_M) for person in words.persons(state))
+
+
+def nothing(state: dict[str, int | str]) -> Course:
+    """The plan that does nothing."""
+    return Course((), (state,))
+
+
+def term(call: SkillCall) -> str:
+    return f"{call.name}({','.join(map(str, call.args))})"
+
+
+def written(at: Cell) -> str:
+    return f"({at[0]},{at[1]})"
