@@ -15,7 +15,7 @@ import msgspec
 from msgspec import inspect as types
 
 from bus import events, faults, keys, messages
-from bus.messages import acting, clock, common, envelope, news, sharing, streams
+from bus.messages import acting, clock, common, envelope, helping, news, sharing, streams
 from bus.scene import Fault
 from ops import scenario
 from ops.cli import parser
@@ -29,7 +29,7 @@ Struct = type[msgspec.Struct]
 _COMMENT = re.compile(r"\s+# (.+)")
 _KEY = re.compile(r'\s+"(\w+)":')
 _BY_HAND = "<!-- Made by `muster reference`: change the code, not this page. -->\n"
-_GROUPS = (acting, sharing, news, common, streams, clock, envelope)
+_GROUPS = (acting, sharing, helping, news, common, streams, clock, envelope)
 _TABLES: dict[str, Struct] = {
     table.__name__.lower(): table for table in (scenario.Clock, scenario.Verdict, scenario.Limits, scenario.Record)
 }

@@ -15,6 +15,7 @@ from bus.messages.basics import SCHEMA_VERSION, Body, Count, Name, Outcome, Seco
 from bus.messages.clock import Done, Join, Tick
 from bus.messages.common import EventsAre, EventsFrom, Impair, Inject, Injected, Ok, Ping
 from bus.messages.envelope import Envelope
+from bus.messages.helping import AtRest, HelpAnswer, HelpCall, HelpSettled, HelpStands, Present, RobotSent
 from bus.messages.news import Contact, Order, ProcessFault, RunOver
 from bus.messages.sharing import (
     Adopt,
@@ -41,6 +42,7 @@ __all__ = [
     "Adopted",
     "Answer",
     "Ask",
+    "AtRest",
     "Beat",
     "Body",
     "BodyFrame",
@@ -60,6 +62,10 @@ __all__ = [
     "Go",
     "Hand",
     "Handover",
+    "HelpAnswer",
+    "HelpCall",
+    "HelpSettled",
+    "HelpStands",
     "Impair",
     "Inject",
     "Injected",
@@ -72,8 +78,10 @@ __all__ = [
     "Order",
     "Outcome",
     "Ping",
+    "Present",
     "ProcessFault",
     "Question",
+    "RobotSent",
     "RunOver",
     "Seconds",
     "SkillCall",

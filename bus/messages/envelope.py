@@ -8,6 +8,7 @@ from bus.messages.acting import Execute, Executed, Observe, Observed
 from bus.messages.basics import Count, Name, Seconds
 from bus.messages.clock import Done, Join, Tick
 from bus.messages.common import EventsAre, EventsFrom, Impair, Inject, Injected, Ok, Ping
+from bus.messages.helping import AtRest, HelpAnswer, HelpCall, HelpSettled, HelpStands, Present, RobotSent
 from bus.messages.news import Contact, Order, ProcessFault, RunOver
 from bus.messages.sharing import Adopt, Adopted, Answer, Ask, Enquire, Go, Standing, StepResult, Welcome
 from bus.messages.streams import Beat, Event, Frame, Status
@@ -28,6 +29,7 @@ class Envelope(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     body: (
         Execute | Executed | Observe | Observed | Enquire | Standing | Ask | Answer | Adopt | Adopted | Welcome | Go
         | StepResult
+        | HelpCall | HelpAnswer | HelpSettled | RobotSent | HelpStands | AtRest | Present
         | Contact | Order | ProcessFault | RunOver | Inject | Injected | Impair | Ping | Ok | EventsFrom | EventsAre
         | Event | Status | Frame | Beat | Join | Tick | Done
     )  # fmt: skip
