@@ -28,6 +28,8 @@ LOOK_S = 0.5
 """Wall seconds between two looks at what is missing, and at most so much is unwritten after a crash."""
 ANSWER_S, SWEEP_S = 3.0, 15.0
 """Wall seconds to wait for one answer, and for all of them at the end."""
+MEET_S = 1.0
+"""Wall seconds that it listens at least: everybody shows a sign of life more often, and who did is asked at the end."""
 AGAIN_S = 0.3
 """A question is asked again after so many wall seconds: the link may be a bad one."""
 
@@ -91,8 +93,8 @@ def record(node: Node, directory: Path, stop: threading.Event) -> Summary:
     if goes_on:
         recorder.resume(directory)
     listen(node, recorder)
-    looked_s = 0.0
-    while not stop.is_set():
+    looked_s, met_s = 0.0, wall_s() + MEET_S
+    while not stop.is_set() or wall_s() < met_s:
         node.beat(f"{count(recorder.count, 'event')} recorded")
         node.post.wait(LOOK_S)
         if wall_s() - looked_s >= LOOK_S:

@@ -149,7 +149,7 @@ def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | 
             show.end()
         try:
             # First the recorder: it asks every source for what it has missed, so they must live until it is done.
-            boss.stop_together([RECORDER], RECORDER_S)
+            boss.stop_together([RECORDER], RECORDER_S, ready=partial(run.recorded, boss))
             boss.stop_together(compiled.teams)
             boss.stop()
         except (GaveUpError, TooLongError) as error:
@@ -171,6 +171,7 @@ class _Run:
         self.seat: Seat | None = None
         self.over: RunOver | None = None
         self.opened = False
+        self._recorder = 0
 
     def config(self) -> NodeConfig:
         home = Path(self._layout.home)
@@ -184,7 +185,13 @@ class _Run:
             on_fault=lambda fault, done: boss.post(partial(self._disturb, boss, fault, done)),
             on_over=lambda over: boss.post(partial(self._hear_over, over)),
             on_end=lambda error: boss.post(partial(self._hear_open, error)),
+            on_recorder=lambda pid: boss.post(partial(self._hear_recorder, pid)),
         )
+
+    def recorded(self, boss: Supervisor) -> bool:
+        """Whether the recorder, in its present life, is at work: it has opened its file before its first sign of life,
+        and knows what to do when it is told to end."""
+        return boss.table[RECORDER].pid == self._recorder
 
     def said(self, name: str, state: str, cause: str) -> None:
         """What becomes of processes, as events; stopping at the end is not worth one."""
@@ -205,6 +212,9 @@ class _Run:
 
     def _hear_over(self, over: RunOver) -> None:
         self.over = over
+
+    def _hear_recorder(self, pid: int) -> None:
+        self._recorder = pid
 
     def _hear_open(self, error: str) -> None:
         if error:

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from bus import keys
-from bus.messages import Envelope, Inject, Injected, Ok, ProcessFault, RunOver, Status
+from bus.messages import Beat, Envelope, Inject, Injected, Ok, ProcessFault, RunOver, Status
 from bus.node import Node, NodeConfig, open_node
 from bus.transport import Transport, TransportError
-from ops.processes import COORDINATOR, WORLD
+from ops.processes import COORDINATOR, RECORDER, WORLD
 
 Job = Callable[[Node], None]
 AUTHORS: dict[type, str] = {ProcessFault: WORLD, RunOver: COORDINATOR}
@@ -24,12 +24,14 @@ AUTHORS: dict[type, str] = {ProcessFault: WORLD, RunOver: COORDINATOR}
 
 @dataclass(frozen=True)
 class Ears:
-    """Who is told what. `on_fault` gets a function to call when the fault has taken effect."""
+    """Who is told what. `on_fault` gets a function to call when the fault has taken effect, `on_recorder` the process
+    id of the recorder as often as it shows a sign of life."""
 
     on_event: Callable[[Envelope], None]
     on_fault: Callable[[ProcessFault, Callable[[], None]], None]
     on_over: Callable[[RunOver], None]
     on_end: Callable[[str], None]
+    on_recorder: Callable[[int], None]
 
 
 class Seat:
@@ -85,6 +87,7 @@ class Seat:
         with node:
             run = node.run
             node.post.listen(keys.event(run, "*"), self._ears.on_event)
+            node.post.listen(keys.beat(run, RECORDER), self._beat)
             self._node = node
             self._ears.on_end("")
             node.wake_soon()
@@ -95,6 +98,10 @@ class Seat:
                     self._answer(node, envelope)
                 while not self._jobs.empty():
                     self._jobs.get()(node)
+
+    def _beat(self, envelope: Envelope) -> None:
+        if isinstance(envelope.body, Beat):
+            self._ears.on_recorder(envelope.body.pid)
 
     def _answer(self, node: Node, envelope: Envelope) -> None:
         body = envelope.body

@@ -7,6 +7,7 @@ are waited for with a limit, never a sleep. Ends of processes are seen by the ke
 
 from __future__ import annotations
 
+import contextlib
 import heapq
 import itertools
 import queue
@@ -29,6 +30,7 @@ Disturbance = Literal["kill", "pause", "resume", "restart"]
 
 TERMINATE_S = 5.0
 START_S = 30.0
+READY_S = 10.0
 
 _SIGNALS: dict[Disturbance, int] = {
     "kill": signal.SIGKILL,
@@ -139,17 +141,24 @@ class Supervisor:
         for name in list(reversed(self.table)):
             self.stop_together([name])
 
-    def stop_together(self, names: Sequence[str], limit_s: float | None = None) -> None:
-        """End these processes at once: SIGTERM, and SIGKILL after `limit_s`. From now on nobody is started again."""
+    def stop_together(
+        self, names: Sequence[str], limit_s: float | None = None, ready: Callable[[], bool] = lambda: True
+    ) -> None:
+        """End these processes at once: SIGTERM, and SIGKILL after `limit_s`. From now on nobody is started again.
+
+        First they have `READY_S` to become `ready`: who is told to end while it still starts does none of its work.
+        """
         self._ending = True
         leaving = [self.table[name] for name in names if name in self.table]
+        gone = partial(self._ended, leaving)
+        with contextlib.suppress(TooLongError):
+            self.until(lambda: gone() or ready(), READY_S, f"{', '.join(names)} ready")
         for child in leaving:
             if child.state in ("running", "starting"):
                 child.expected = "stopped"
                 self._signal(child, signal.SIGTERM)
             else:
                 child.state = "ended"
-        gone = partial(self._ended, leaving)
         try:
             self.until(gone, limit_s or TERMINATE_S, f"{', '.join(names)} stopped")
         except TooLongError:

@@ -36,6 +36,12 @@ with open_node(config) as node:
     for turn in node.turns():
         pass
 """
+LATE = """
+import threading
+from ops.recorder import main
+threading.Event().wait(2.0)
+main()
+"""
 OVER = 'node.ask("supervisor", RunOver(True, "all is done", 5, 0), 20.0)'
 OVER_AFTER_THE_RESTART = f"""
         from bus.messages import EventsFrom, Ping
@@ -84,6 +90,25 @@ def test_a_run_from_start_to_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (tmp_path / "kept" / "logs" / "T1.log").exists()
     assert not any(alive(pid) for pid in outcome.pids)
     assert listing() == []
+
+
+def test_a_run_that_is_over_before_its_recorder_has_opened_is_recorded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stand_ins(monkeypatch, OVER)
+    swift = running.commands
+
+    def late(layout: Layout) -> dict[str, list[str]]:
+        result = swift(layout)
+        result["recorder"] = [sys.executable, "-c", LATE, *result["recorder"][3:]]
+        return result
+
+    monkeypatch.setattr(running, "commands", late)
+    outcome = running.execute(load("factory/team_killed"), Options(record=tmp_path / "kept"), Silence())
+    assert outcome.report.reason == "all is done"
+    recording = load_recording(tmp_path / "kept")
+    assert recording.complete
+    assert {event.src for event in recording.events} >= {"world", "coordinator", "supervisor"}
 
 
 def test_a_fault_on_a_process_is_carried_out_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

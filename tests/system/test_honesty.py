@@ -95,7 +95,7 @@ def watched(tmp_path_factory: pytest.TempPathFactory) -> Watched:
     endpoint = free_endpoint()
     over: queue.Queue[RunOver] = queue.Queue()
     heard: list[tuple[str, bytes]] = []
-    ears = Ears(lambda _: None, lambda _, done: done(), over.put, lambda _: None)
+    ears = Ears(lambda _: None, lambda _, done: done(), over.put, lambda _: None, lambda _: None)
     with ExitStack() as stack:
         settings = {"adminspace/enabled": True, "adminspace/permissions/read": True}
         router = stack.enter_context(zenoh.open(_config("router", settings, listen=[endpoint])))

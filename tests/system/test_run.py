@@ -144,7 +144,7 @@ def test_the_commands_of_docker_compose_reach_the_goal(tmp_path: Path) -> None:
         "realtime": "realtime:10",
     }
     over: queue.SimpleQueue[RunOver] = queue.SimpleQueue()
-    ears = Ears(lambda _: None, lambda _fault, done: done(), over.put, lambda _: None)
+    ears = Ears(lambda _: None, lambda _fault, done: done(), over.put, lambda _: None, lambda _: None)
     with contextlib.ExitStack() as stack:
         for service, command in services().items():
             if service not in ("setup", "dashboard"):
