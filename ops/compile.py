@@ -58,7 +58,12 @@ def compile_scenario(scenario: Scenario, plan: GivenPlan | None = None) -> Compi
     _check_faults(scenario, scene)
     limit = scenario.limits.conflicts or None
     files: dict[str, dict[str, Any]] = {
-        "coordinator": {"teams": scenario.teams, "delay": setup.static.get(shares.DELAY, 0), "plan": plan, "conducted": domain.data.conducted},
+        "coordinator": {
+            "teams": scenario.teams,
+            "delay": setup.static.get(shares.DELAY, 0),
+            "plan": plan,
+            "conducted": domain.data.conducted,
+        },
     }
     for team in scenario.teams:
         files[team] = {"domain": scenario.domain, "team": team, "static": dict(setup.static), "conflicts": limit}
