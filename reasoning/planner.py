@@ -49,6 +49,7 @@ class Planner:
         self._problem, self._beat, self._cancelled, self._clock = problem, beat, cancelled, clock
         found = prospects(problem)
         self._hopeless, self._bound, self._bound_text = found.hopeless, found.bound, found.why_bound
+        self._likely = found.likely
         self._longest, self._longest_text = found.longest, found.why_longest
         self._horizon, self._stock = -1, found.stock
         self._numbers = Counter(kind for _, kind in problem.guests)
@@ -124,36 +125,46 @@ class Planner:
         seconds: float | None = None,
         on_progress: Callable[[Answer], None] = lambda _: None,
     ) -> Found:
-        """The shortest plan in this role, searched from the admissible bound upwards.
+        """The shortest plan in this role. The search begins where the shortest plan may well be and leaps ahead, in
+        strides that double, until there is a plan; then it goes down until a length is refuted. Refutations are what
+        costs, so the fewest are asked for, and they are easier after a plan was found.
 
-        The budgets are for the whole search. `on_progress` gets every answer.
+        The budgets are for the whole search; when they end it, the best plan so far is ``feasible``. `on_progress` gets
+        every answer.
         """
         begun, used = self._clock(), 0
-        bound, proof = self._bound, self._bound_text
+        best: Plan | None = None
+        low, proof, within, stride = self._bound, self._bound_text, self._likely, 1
 
-        def found(status: Literal["optimal", "infeasible", "unknown"], plan: Plan | None, why: str) -> Found:
-            return Found(status, plan, bound, why, self._clock() - begun, used)
+        def found(status: Literal["optimal", "feasible", "infeasible", "unknown"], why: str) -> Found:
+            return Found(status, best, low, why, self._clock() - begun, used)
 
         if self._hopeless:
-            return found("infeasible", None, self._hopeless)
-        for within in range(bound, LONGEST + 1):
+            return found("infeasible", self._hopeless)
+        while best is None or low < best.makespan:
+            within = max(low, min(within, self._longest) if best is None else best.makespan - stride)
             left = None if conflicts is None else conflicts - used
             left_s = None if seconds is None else seconds - (self._clock() - begun)
-            if (left is not None and left <= 0) or (left_s is not None and left_s <= 0):
+            if within > LONGEST or (left is not None and left <= 0) or (left_s is not None and left_s <= 0):
                 break
-            step = within if kind == "lend" else 0
-            answer = self.answer(Question(kind, within, step), conflicts=left, seconds=left_s)
+            answer = self.answer(
+                Question(kind, within, within if kind == "lend" else 0), conflicts=left, seconds=left_s
+            )
             on_progress(answer)
             used += answer.conflicts
-            if answer.verdict == "yes":
-                return found("optimal", answer.plan, proof)
             if answer.verdict == "unknown":
                 break
+            if answer.plan is not None:
+                stride = 1 if best is None else 2 * stride
+                best = answer.plan
+                continue
             if self._hopeless:
-                return found("infeasible", None, self._hopeless)
-            bound = within + 1
-            proof = f"{within} steps were refuted by the solver, in {answer.conflicts} conflicts"
-        return found("unknown", None, f"{proof}; then the search ended")
+                return found("infeasible", self._hopeless)
+            low, within, stride = within + 1, within + stride, 2 * stride if best is None else 1
+            proof = f"{low - 1} steps were refuted by the solver, in {answer.conflicts} conflicts"
+        else:
+            return found("optimal", proof)
+        return found("unknown" if best is None else "feasible", f"{proof}; then the search ended")
 
     def _reach(self, horizon: int) -> None:
         # All parts in one call: step by step it takes twice as long.

@@ -15,14 +15,16 @@ ENDLESS = 1 << 30
 
 class Prospects(NamedTuple):
     """`hopeless` says why the goal can never be reached, even with guests ("": nothing speaks against it). No plan has
-    fewer than `bound` steps in any role, none needs more than `longest`, each for a reason. `stock` are the team's own
-    robots that can be lent without the published limits, by kind."""
+    fewer than `bound` steps in any role, none needs more than `longest`, each for a reason. The shortest plan may well
+    have `likely` steps, which is no more than a good place to begin a search. `stock` are the team's own robots that
+    can be lent without the published limits, by kind."""
 
     hopeless: str
     bound: int
     why_bound: str
     longest: int
     why_longest: str
+    likely: int
     stock: Mapping[str, int]
 
 
@@ -31,6 +33,7 @@ def prospects(problem: Problem) -> Prospects:
     (model,) = models([load(problem.domain).program("prospects")], facts(problem))
     reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
     stock: dict[str, int] = {}
+    likely = 0
     for atom in model.atoms:
         match atom:
             case Atom("hopeless", (text, args)):
@@ -39,9 +42,11 @@ def prospects(problem: Problem) -> Prospects:
                 longest.append((steps, _worded(str(text), str(args))))
             case Atom("bound", (int(steps), text, args)):
                 bounds.append((steps, f"{steps} steps are needed at least: {_worded(str(text), str(args))}"))
+            case Atom("likely", (int(steps),)):
+                likely = max(likely, steps)
             case Atom("stock", (kind, int(number))):
                 stock[str(kind)] = number
-    return Prospects("; ".join(reasons), *max(bounds), *min(longest), stock)
+    return Prospects("; ".join(reasons), *max(bounds), *min(longest), max(likely, *max(bounds)[:1]), stock)
 
 
 def _worded(text: str, args: str) -> str:

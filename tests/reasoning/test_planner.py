@@ -8,7 +8,7 @@ import pytest
 
 from reasoning.planner import Planner, predict
 from reasoning.reading import rest
-from reasoning.values import Answer, Problem, Question
+from reasoning.values import Answer, Plan, Problem, Question
 from tests.reasoning import published
 from tests.reasoning.teams import team
 
@@ -180,6 +180,22 @@ def test_budgets_end_a_search_with_unknown_and_the_same_budget_always_at_the_sam
     found = Planner(team([((1, 3), 1)], 4)).shortest(conflicts=300)
     assert (found.status, found.plan) == ("unknown", None)
     assert found.lower_bound >= 21
+
+
+def test_a_budget_that_ends_before_the_proof_leaves_the_best_plan_so_far() -> None:
+    whole: list[Answer] = []
+    Planner(team([((1, 3), 1)], 4)).shortest(on_progress=whole.append)
+    assert [answer.verdict for answer in whole] == ["yes", "no"]
+    found = Planner(team([((1, 3), 1)], 4)).shortest(conflicts=whole[0].conflicts + 50)
+    assert (found.status, found.lower_bound) == ("feasible", 21)
+    assert found.plan == whole[0].plan
+    assert found.proof.endswith("then the search ended")
+
+
+def test_a_carrier_that_nobody_needs_stands_still() -> None:
+    moved = [a for step in (Planner(team([((1, 3), 1)], 2)).shortest().plan or Plan(())).steps for a in step]
+    assert moved
+    assert not [action for action in moved if "c1" in action]
 
 
 def test_a_cancelled_search_is_unknown_and_can_be_asked_again() -> None:
