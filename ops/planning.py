@@ -191,8 +191,9 @@ def _each_alone(
         proofs += [f"{name}: {why}"] if why else []
         roles[name] = Question("alone", within)
         team.learn(Answer(roles[name], "yes", plan))
-    worst: Literal["optimal", "infeasible", "unknown"] = "optimal"
-    worst = "infeasible" if "infeasible" in statuses else "unknown" if "unknown" in statuses else worst
+    order: tuple[Literal["infeasible", "unknown", "feasible", "optimal"], ...]
+    order = ("infeasible", "unknown", "feasible", "optimal")
+    worst = next((status for status in order[:-1] if status in statuses), order[-1])
     makespan = max((question.within for question in roles.values()), default=0)
     return Shared(worst, makespan, max(bounds), roles, (), "; ".join(proofs)), len(asked)
 
