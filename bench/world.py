@@ -27,7 +27,7 @@ from bus.messages import Envelope, Execute, SkillCall
 from bus.node import NodeConfig, open_node
 from bus.scene import Action, Entity, Kind, Scene, Workspace
 from world.simulation import World
-from world.truth import MOVING, RAMP
+from world.things import MOVING, RAMP
 
 PERIOD_S, DT_S = 2.0, 0.02
 TICKS = round(PERIOD_S / DT_S)

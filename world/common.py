@@ -11,7 +11,7 @@ from bus.messages import Envelope, Executed, Status
 from world.motion import Motion
 from world.office import Office
 from world.sensors import sense
-from world.truth import BENCH
+from world.things import BENCH
 from world.window import Window, step_of
 
 JOINING = 0.1

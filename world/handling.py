@@ -6,7 +6,8 @@ from math import dist
 
 from bus.messages import Value
 from world.tasks import Task, able, present
-from world.truth import Thing, Truth
+from world.things import Thing
+from world.truth import Truth
 
 REACH_M = 0.2
 """How far apart two bodies may be that are to be joined."""

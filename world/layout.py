@@ -1,10 +1,13 @@
 """Where everything lies on the world's floor, in metres.
 
 Workspaces are stacked from south to north, cell (1,1) of each one metre east and north of its origin. West of them all
-runs the transport lane, and west of that lies the bench with a place for every robot.
+runs the transport lane, and west of that lies the bench with a place for every robot. The origin of a room is its
+south-west corner, and cell (x,y) has its middle half a metre east and north of (x, y).
 """
 
 from __future__ import annotations
+
+from math import floor
 
 from bus.scene import Scene, Workspace
 from world.physics import Point
@@ -36,7 +39,14 @@ class Layout:
 
     def cell(self, team: str, x: int, y: int) -> Point:
         ox, oy = self.origins[team]
-        return ox + x, oy + y
+        return (ox + x + 0.5, oy + y + 0.5) if self.spaces[team].room else (ox + x, oy + y)
+
+    def nearest(self, place: str, at: Point) -> tuple[int, int]:
+        """The cell whose middle is nearest to a point of a place."""
+        ox, oy = self.origin(place)
+        if place in self.spaces and self.spaces[place].room:
+            return floor(at[0] - ox), floor(at[1] - oy)
+        return round(at[0] - ox), round(at[1] - oy)
 
     def line(self, team: str, position: int) -> Point:
         ox, oy = self.origins[team]
@@ -58,4 +68,6 @@ class Layout:
 
     def in_grid(self, team: str, x: int, y: int) -> bool:
         space = self.spaces[team]
+        if space.room:
+            return 0 <= x < space.width and 0 <= y < space.height
         return 1 <= x <= space.width and 1 <= y <= space.height

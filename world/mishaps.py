@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping
 
 from bus.messages import Order, Value
 from world.handling import fits
-from world.truth import BENCH, GONE, Thing, Truth
+from world.things import BENCH, GONE, Thing
+from world.truth import Truth
 
 Args = Mapping[str, Value | float]
 Outcome = str | Order

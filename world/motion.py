@@ -11,7 +11,8 @@ from heapq import heappop, heappush
 from math import dist, hypot
 
 from world.physics import Point
-from world.truth import MOVING, RAMP, Leg, Thing, Truth
+from world.things import MOVING, RAMP, Leg, Thing
+from world.truth import Truth
 
 TRIM_M = 0.0002
 """Who is that near needs no correction."""

@@ -13,7 +13,8 @@ from math import dist
 from world.handling import fits, holds
 from world.motion import Motion, route
 from world.tasks import Cell, Task, able
-from world.truth import BENCH, MOVING, Given, Thing, Truth
+from world.things import BENCH, MOVING, Given, Thing
+from world.truth import Truth
 
 STEPS: dict[str, Cell] = {"up": (0, 1), "down": (0, -1), "left": (-1, 0), "right": (1, 0)}
 SETTLED_M = 0.005

@@ -1,13 +1,16 @@
 """The floor: bodies, drives, belts and joints in one rigid-body space. The only module that imports pymunk.
 
 All is seen from above. A robot is driven by a velocity that a bounded force pulls it to; at rest the same force, only
-stronger, is its brake. An object rides a belt by friction. Bodies are discs that do not turn.
+stronger, is its brake. An object rides a belt by friction. Bodies are discs that do not turn, but for heavy things in
+rooms: two discs a metre apart. In rooms, robots run into walls, furniture, persons and one another, and drive over what
+lies on the floor: it is for their sensors to stop them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from math import cos, sin
+from typing import Literal, NamedTuple
 
 import pymunk
 from pymunk import batch
@@ -19,11 +22,20 @@ BRAKE = 5.0
 ROLLING_N = 5.0
 """What is left of a drive's resistance when its body is pulled along by another."""
 NOTHING = pymunk.ShapeFilter(mask=0)
+SOLID, ROBOT, THING, PERSON = 1 << 28, 1 << 29, 1 << 30, 1 << 31
+IN_ROOMS = {
+    "robot": pymunk.ShapeFilter(categories=ROBOT, mask=SOLID | ROBOT | PERSON),
+    "object": pymunk.ShapeFilter(categories=THING, mask=SOLID),
+    "person": pymunk.ShapeFilter(categories=PERSON, mask=ROBOT),
+}
+WALL_M = 0.001
+TURNING = 0.5
+"""How hard a heavy thing is to turn on the spot: friction at so many metres."""
 
 
 class _Body(NamedTuple):
     body: pymunk.Body
-    shape: pymunk.Circle
+    shape: pymunk.Shape
     drive: pymunk.PivotJoint
     control: pymunk.Body
     solid: pymunk.ShapeFilter
@@ -41,6 +53,7 @@ class Floor:
         self._bodies: dict[str, _Body] = {}
         self._belts: dict[str, pymunk.Body] = {}
         self._couplings: dict[tuple[str, str], pymunk.PivotJoint] = {}
+        self._more: dict[str, list[pymunk.Shape | pymunk.Constraint]] = {}
         # Positions are read from the space all at once: one call for a hundred bodies costs what ten single ones do.
         self._buffer = batch.Buffer()
         self._order: list[str] = []
@@ -65,19 +78,54 @@ class Floor:
         self._order = []
         self._stale = True
 
+    def stand(
+        self, name: str, at: Point, *, role: Literal["robot", "object", "person"], radius_m: float, mass_kg: float,
+        force_n: float, heading_rad: float | None = None,
+    ) -> None:  # fmt: skip
+        """A body at rest in a room, held by friction or brakes of `force_n`. With a heading it has a second end, a
+        metre away in that direction."""
+        heavy = heading_rad is not None
+        if role == "person":
+            body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        else:
+            body = pymunk.Body(mass_kg, mass_kg / 4 if heavy else float("inf"))
+        middle = (0.5, 0.0) if heavy else (0.0, 0.0)
+        body.center_of_gravity = middle  # first: what comes next is about it
+        body.angle = heading_rad or 0.0
+        body.position = at
+        control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        drive = pymunk.PivotJoint(control, body, middle, middle)
+        drive.max_bias = 0.0
+        drive.max_force = force_n
+        shape = pymunk.Segment(body, (0, 0), (1, 0), radius_m) if heavy else pymunk.Circle(body, radius_m)
+        shape.filter = IN_ROOMS[role]
+        if heavy:
+            turning = pymunk.GearJoint(control, body, 0.0, 1.0)
+            turning.max_bias, turning.max_force = 0.0, force_n * TURNING
+            self._more[name] = [turning]
+        self._bodies[name] = _Body(body, shape, drive, control, IN_ROOMS[role], mass_kg, force_n)
+        self.lower(name)
+
+    def wall(self, start: Point, end: Point) -> None:
+        """What nobody gets through."""
+        piece = pymunk.Segment(self._space.static_body, start, end, WALL_M)
+        piece.filter = pymunk.ShapeFilter(categories=SOLID)
+        self._space.add(piece)
+
     def lift(self, name: str) -> None:
         """Take a body off the floor: nothing touches or moves it any more, it keeps its place."""
         it = self._bodies[name]
         if it.body.space is not None:
-            self._space.remove(it.drive, it.shape, it.body)
+            self._space.remove(*self._more.get(name, ()), it.drive, it.shape, it.body)
             it.body.velocity = (0.0, 0.0)
             self._at[name] = it.body.position.x, it.body.position.y
             self._order = []
             self._stale = True
 
-    def put(self, name: str, at: Point) -> None:
+    def put(self, name: str, at: Point, heading_rad: float = 0.0) -> None:
         """Put a body elsewhere, at rest, on the floor or lifted as it was before."""
         body = self._bodies[name].body
+        body.angle, body.angular_velocity = heading_rad, 0.0
         body.position = at
         body.velocity = (0.0, 0.0)
         self._at[name] = at
@@ -86,9 +134,18 @@ class Floor:
         """Put a lifted body back on the floor."""
         it = self._bodies[name]
         if it.body.space is None:
-            self._space.add(it.body, it.shape, it.drive)
+            self._space.add(it.body, it.shape, it.drive, *self._more.get(name, ()))
             self._order = []
             self._stale = True
+
+    def heading(self, name: str) -> float:
+        return float(self._bodies[name].body.angle)
+
+    def end(self, name: str, number: int) -> Point:
+        """Where an end of a body is; the first is where the body is."""
+        x_m, y_m = self.where(name)
+        angle = self.heading(name)
+        return (x_m, y_m) if number == 1 else (x_m + cos(angle), y_m + sin(angle))
 
     def where(self, name: str) -> Point:
         return (self.positions() if self._stale else self._at)[name]
@@ -104,7 +161,7 @@ class Floor:
         return velocity.x, velocity.y
 
     def speed_up(self, name: str, velocity: Point) -> None:
-        """Give a body a velocity at once, for bodies that were on their way when the world was last saved."""
+        """Give a body a velocity at once: people, and bodies that were on their way when the world was last saved."""
         self._bodies[name].body.velocity = velocity
 
     def solid(self, name: str, solid: bool) -> None:
@@ -138,10 +195,10 @@ class Floor:
     def run_belt(self, belt: str, velocity: Point) -> None:
         self._belt(belt).velocity = velocity
 
-    def couple(self, one: str, other: str) -> None:
-        """Join two bodies where they stand."""
+    def couple(self, one: str, other: str, end: int = 0) -> None:
+        """Join two bodies where they stand, or the middle of the first with that end of the other."""
         a, b = self._bodies[one].body, self._bodies[other].body
-        joint = pymunk.PivotJoint(a, b, a.position)
+        joint = pymunk.PivotJoint(a, b, (0, 0), (end - 1, 0)) if end else pymunk.PivotJoint(a, b, a.position)
         joint.collide_bodies = False
         self._space.add(joint)
         self._couplings[one, other] = joint

@@ -6,7 +6,8 @@ That a robot is broken is not sensed.
 from __future__ import annotations
 
 from bus.messages import State
-from world.truth import Thing, Truth
+from world.things import Thing
+from world.truth import Truth
 
 TOLERANCE_M = 0.4
 """A body within so much of a cell's centre, in x and in y, is seen in that cell; between cells it is nowhere."""

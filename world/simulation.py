@@ -22,7 +22,8 @@ from world.frames import frame
 from world.herald import Herald
 from world.office import Office
 from world.sensors import sense
-from world.truth import Thing, Truth
+from world.things import Thing
+from world.truth import Truth
 
 SAVED = "world"
 IDLE_FRAME_S = 1.0

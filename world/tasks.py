@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from bus.messages import SkillCall, Value
 from bus.scene import Action
-from world.truth import Thing, Truth
+from world.things import Thing
+from world.truth import Truth
 
 Cell = tuple[int, int]
 

@@ -1,4 +1,4 @@
-"""What is: every body with its properties, whom it belongs to and where it stands; and the form in which that is saved.
+"""What is: every body with its properties, whom it belongs to and where it stands.
 
 Whole numbers count physics steps ("ticks") since the beginning of the run.
 """
@@ -7,55 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-import msgspec
-
-from bus.messages import Value
 from bus.scene import Entity, Kind, Scene
 from world.layout import Layout
 from world.physics import Floor, Point
-
-BENCH = "bench"
-GONE = "gone"
-MOVING = 0.65
-"""The share of a period for which a drive pulls to go from one cell to the next."""
-RAMP = 0.095
-"""The share of a period in which it comes to speed, and to rest again."""
-
-
-class Leg(msgspec.Struct, frozen=True):
-    """A straight piece of a way to a point of the floor: pull from tick `start` to tick `stop`, with a force that takes
-    `ramp` ticks to come to speed."""
-
-    to: Point
-    start: int
-    stop: int
-    ramp: int
-
-
-class Given(msgspec.Struct):
-    """A robot was given by this team, in a step that ended at this tick."""
-
-    team: str
-    tick: int
-
-
-class Thing(msgspec.Struct, omit_defaults=True):
-    """A body. `place` is its team, ``bench`` or ``gone``; `name` what it is called there. `marks` are attributes that
-    fall back to 0 at a tick; `route` is its way along the lane, `given` how it came to be on the bench. Positions are
-    filled in for saving alone."""
-
-    id: str
-    kind: str
-    place: str
-    name: str
-    attributes: dict[str, Value]
-    broken: bool = False
-    partner: str = ""
-    marks: dict[str, int] = {}
-    route: list[Leg] = []
-    given: Given | None = None
-    at: Point = (0.0, 0.0)
-    velocity: Point = (0.0, 0.0)
+from world.things import BENCH, GONE, HEAVY_MPS2, MOVING, RAMP, Thing, heading, term
 
 
 class Truth:
@@ -80,7 +35,9 @@ class Truth:
             kind = self.scene.kinds[entity.kind]
             place = BENCH if entity.place == BENCH else entity.team
             own = {k: v for k, v in entity.attributes.items() if k in kind.attributes}
-            thing = Thing(entity.id, entity.kind, place, entity.name, own, entity.broken)
+            thing = Thing(entity.id, entity.kind, place, entity.name, own, entity.broken, known=entity.known)
+            if entity.end:
+                thing.heavy, thing.heading_rad = True, heading(term(entity.place), term(entity.end))
             self.enter(thing, self._start(entity, kind))
         for entity in self.scene.entities:
             kind = self.scene.kinds[entity.kind]
@@ -93,8 +50,7 @@ class Truth:
             return self.layout.slot(entity.id)
         if kind.track == "line":
             return self.layout.line(entity.team, int(entity.place))
-        x, y = str(entity.place).strip("()").split(",")
-        return self.layout.cell(entity.team, int(x), int(y))
+        return self.layout.cell(entity.team, *term(entity.place))
 
     # ------------------------------------------------------------ who
     def kind(self, thing: Thing) -> Kind:
@@ -119,6 +75,10 @@ class Truth:
         self._of.setdefault(thing.place, {})[thing.id] = thing
         if thing.marks:
             self._marked[thing.id] = thing
+        if kind.track == "floor":
+            self._stand(thing, at)
+            self.floor.speed_up(thing.id, velocity)
+            return
         self.floor.add(
             thing.id,
             at,
@@ -132,6 +92,20 @@ class Truth:
         if thing.place in (BENCH, GONE) or thing.route:
             self.floor.solid(thing.id, False)
         if thing.place == GONE or kind.track == "line":
+            self.floor.lift(thing.id)
+
+    def _stand(self, thing: Thing, at: Point) -> None:
+        kind = self.kind(thing)
+        self.floor.stand(
+            thing.id,
+            at,
+            role=kind.role,
+            radius_m=kind.radius_m,
+            mass_kg=kind.heavy_n / HEAVY_MPS2 if thing.heavy else kind.mass_kg,
+            force_n=self.force_n(thing),
+            heading_rad=thing.heading_rad if thing.heavy else None,
+        )
+        if thing.place not in self.layout.spaces:
             self.floor.lift(thing.id)
 
     def belongs(self, thing: Thing, place: str, name: str) -> None:
@@ -155,6 +129,23 @@ class Truth:
             if not thing.marks:
                 del self._marked[thing.id]
 
+    def force_n(self, thing: Thing) -> float:
+        """What a robot pulls with, or what holds a thing to the floor."""
+        kind = self.kind(thing)
+        return kind.traction_n if kind.role == "robot" else kind.heavy_n if thing.heavy else kind.friction_n
+
+    def grip(self, robot: Thing, thing: Thing, end: int) -> None:
+        robot.partner, robot.end = thing.id, end
+        self.floor.couple(robot.id, thing.id, end)
+
+    def ungrip(self, robot: Thing) -> None:
+        self.floor.uncouple(robot.id, robot.partner)
+        robot.partner, robot.end = "", 0
+
+    def holders(self, thing: Thing) -> list[Thing]:
+        """The robots that hold it."""
+        return [other for other in self.things.values() if other.end and other.partner == thing.id]
+
     def couple(self, one: Thing, other: Thing) -> None:
         one.partner, other.partner = other.id, one.id
         self.floor.couple(one.id, other.id)
@@ -173,9 +164,7 @@ class Truth:
 
     def cell(self, thing: Thing) -> tuple[int, int]:
         """The cell whose centre is nearest to its body."""
-        x_m, y_m = self.floor.where(thing.id)
-        ox, oy = self.layout.origin(thing.place)
-        return round(x_m - ox), round(y_m - oy)
+        return self.layout.nearest(thing.place, self.floor.where(thing.id))
 
     def line(self, thing: Thing) -> int:
         """The line position nearest to its body."""
@@ -203,7 +192,9 @@ class Truth:
         at = self.floor.positions()
         for thing in self.things.values():
             thing.at = at[thing.id]
-            thing.velocity = self.floor.velocity(thing.id) if thing.route else (0.0, 0.0)
+            room = self.kind(thing).track == "floor"
+            thing.velocity = self.floor.velocity(thing.id) if thing.route or room else (0.0, 0.0)
+            thing.heading_rad = self.floor.heading(thing.id) if thing.heavy else 0.0
         return list(self.things.values())
 
     def restore(self, things: list[Thing]) -> None:
@@ -212,6 +203,8 @@ class Truth:
             self.enter(thing, thing.at, thing.velocity)
         for thing in things:
             partner = self.things.get(thing.partner)
+            if partner is not None and thing.end:
+                self.floor.couple(thing.id, partner.id, thing.end)
             # Both know of the coupling; one whose kind couples made it.
-            if partner is not None and self.kind(thing).couples and not self.floor.coupled(thing.id, partner.id):
+            elif partner is not None and self.kind(thing).couples and not self.floor.coupled(thing.id, partner.id):
                 self.floor.couple(thing.id, partner.id)
