@@ -14,6 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, Self
 
+from msgspec import Raw
+
 from bus import keys
 from bus.clock import date_s, wall_s
 from bus.codec import encode
@@ -174,8 +176,8 @@ class Node:
         """Say what the process is doing; who looks later sees the latest."""
         self.transport.keep(keys.status(self.run, self.name), encode(self.post.outbox.seal(body)))
 
-    def publish(self, key: str, body: Body) -> None:
-        """Put a body on a stream that may drop it."""
+    def publish(self, key: str, body: Body | Raw) -> None:
+        """Put a body, or one that is packed already, on a stream that may drop it."""
         self.transport.put(key, encode(self.post.outbox.seal(body)), droppable=True)
 
 

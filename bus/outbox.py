@@ -8,6 +8,7 @@ from collections.abc import Callable
 from math import inf
 
 import msgspec
+from msgspec import Raw
 from msgspec.structs import replace
 
 from bus import keys
@@ -60,7 +61,7 @@ class Outbox:
         self._pending: dict[str, _Pending] = {}
         self._late: list[tuple[float, int, str, Envelope]] = []
 
-    def seal(self, body: Body, *, re: str = "", message_id: str = "", seq: int = 0) -> Envelope:
+    def seal(self, body: Body | Raw, *, re: str = "", message_id: str = "", seq: int = 0) -> Envelope:
         """Put a body into an envelope of its own; `seq` is given for what is numbered apart from the rest."""
         number = seq or self._next()
         return Envelope(

@@ -18,7 +18,7 @@ from bus.scene import Scene
 from world.common import Common
 from world.disturbances import COORDINATOR, Disturbances
 from world.faults import Faults, SavedFaults, physical
-from world.frames import frame
+from world.frames import Frames
 from world.herald import Herald
 from world.office import Office
 from world.sensors import sense
@@ -104,7 +104,7 @@ class World:
         self.windows: Windows = Common(self._office)
         self._waiting: list[Envelope] = []
         self._frame_ticks = max(round(1 / (scene.frame_hz * scene.dt_s)), 1)
-        self._frame_tick = -1
+        self._frames, self._frame_tick = Frames(self.truth), -1
         text = "the world is back with its last complete step" if self.recovered else "the world is up"
         node.emit(
             "started", text, incarnation=node.incarnation, role="world", recovered=self.recovered, step=self.truth.step
@@ -208,4 +208,4 @@ class World:
 
     def _show_frame(self) -> None:
         self._frame_tick = self.truth.tick
-        self.node.publish(keys.truth_frame(self.node.run), frame(self.truth, self.windows.doing))
+        self.node.publish(keys.truth_frame(self.node.run), self._frames.frame(self.windows.doing))
