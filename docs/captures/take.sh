@@ -1,9 +1,8 @@
 #!/bin/sh
-# Takes the captures in this directory and docs/images again, from a real run in a real terminal. Needs tmux.
-#   docs/captures/take.sh [SCENARIO] [TEXT TO WAIT FOR]
+# Takes the captures in this directory and docs/images again, from real runs in a real terminal. Needs tmux.
+#   docs/captures/take.sh                               all of them
+#   docs/captures/take.sh SCENARIO NAME TEXT ...        of one run: each NAME when its TEXT is on the screen
 set -eu
-scenario=${1:-factory/broken_carrier}
-awaited=${2:-explains it by}
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$(dirname "$here")")
 python=$root/.venv/bin/python
@@ -11,10 +10,10 @@ screen="tmux -L muster-captures-$$"
 record=$(mktemp -d)
 trap '$screen kill-server 2>/dev/null || true; rm -rf "$record"' EXIT
 
-shot() { # WIDTH HEIGHT
-  $screen resize-window -t shot -x "$1" -y "$2"
+shot() { # NAME WIDTH HEIGHT
+  $screen resize-window -t shot -x "$2" -y "$3"
   sleep 0.7
-  $screen capture-pane -p -t shot >"$here/dashboard-$1x$2.txt"
+  $screen capture-pane -p -t shot >"$here/$1-$2x$3.txt"
   $screen capture-pane -e -p -t shot | "$python" -c '
 import sys
 from rich.console import Console
@@ -23,14 +22,32 @@ width, file = int(sys.argv[1]), sys.argv[2]
 console = Console(width=width, record=True, file=open("/dev/null", "w"))
 console.print(Text.from_ansi(sys.stdin.read()), no_wrap=True)
 console.save_svg(file, title="muster")
-' "$1" "$root/docs/images/dashboard-$1x$2.svg"
+' "$2" "$root/docs/images/$1-$2x$3.svg"
+}
+
+take() { # SCENARIO NAME TEXT ...
+  scenario=$1
+  shift
+  $screen -f /dev/null new-session -d -s shot -x 80 -y 24 \
+    "cd '$root' && LANG=C.UTF-8 '$python' -m ops.cli run $scenario --clock realtime:1 --record '$record/$1'"
+  while [ $# -gt 0 ]; do
+    until $screen capture-pane -p -t shot | grep -q -- "$2"; do
+      sleep 0.2
+      $screen has-session -t shot 2>/dev/null || { echo "the run is over, and there was no: $2" >&2; exit 1; }
+    done
+    shot "$1" 80 24
+    shot "$1" 160 50
+    shift 2
+  done
+  $screen send-keys -t shot q
+  while $screen has-session -t shot 2>/dev/null; do
+    sleep 0.2
+  done
 }
 
 mkdir -p "$root/docs/images"
-$screen -f /dev/null new-session -d -s shot -x 80 -y 24 \
-  "cd '$root' && LANG=C.UTF-8 '$python' -m ops.cli run $scenario --clock realtime:1 --record '$record'; sleep 5"
-until $screen capture-pane -p -t shot | grep -q "$awaited"; do
-  sleep 0.2
-done
-shot 80 24
-shot 160 50
+if [ $# -gt 0 ]; then
+  take "$@"
+else
+  take factory/broken_carrier thinking "gap [1-9]" dashboard "explains it by"
+fi

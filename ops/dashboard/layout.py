@@ -16,7 +16,8 @@ from ops.dashboard.teams import Style, team
 from ops.dashboard.text import PLAIN, Block, beside, ends, line, sized
 
 MIN_WIDTH, MIN_HEIGHT = 40, 12
-WIDE = 120
+WIDE, EVENTS_WIDE = 120, 88
+"""From here on events and processes are side by side; beyond so much for the events, the processes get the rest."""
 TALL, EVENTS_TALL, EVENTS_LOW = 36, 12, 6
 """From so many lines on a screen is tall; lines for what is below a house, on a tall screen and on a low one."""
 KEYS = "tab team  q quit"
@@ -126,7 +127,7 @@ def _summary(model: Model, teams: list[str], width: int, room: int) -> tuple[Blo
 def _below(model: Model, width: int, room: int) -> Block:
     """Events and processes: side by side if there is room, else the processes in one line."""
     if width >= WIDE:
-        right = min(width * 2 // 5, 78)
+        right = min(max(width * 2 // 5, width - EVENTS_WIDE), 78)
         left = width - right - 1
         return beside([panels.events(model, left, room), sized([], 1, room), panels.processes(model, right, room)])
     if room >= 18:
