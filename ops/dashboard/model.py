@@ -16,10 +16,16 @@ UNLISTED = frozenset({"step_started", "step_ended", "membership"})
 PASSING, PASSING_SHOWN = frozenset({"question", "bound"}), 2
 TONES = {
     "fault_injected": "fault", "discrepancy": "fault", "skill_failed": "fault", "no_plan": "fault", "refused": "fault",
-    "needs_person": "fault",
+    "needs_person": "fault", "deadline_missed": "fault", "nobody_helps": "fault", "set_aside": "fault",
     "diagnosis": "cause", "inspection": "cause", "contact": "cause", "order": "cause",
+    "unknown_object": "cause", "person_in_way": "cause", "held_up": "cause", "object_not_found": "cause",
+    "heavy_object": "cause", "robot_broken": "cause", "object_appeared": "cause", "deadline_at_risk": "cause",
     "repair": "recovery", "plan_adopted": "recovery", "search_started": "recovery", "process": "recovery",
+    "new_way": "recovery", "waited": "recovery", "safe_state": "recovery", "plan_dropped": "recovery",
+    "help_wanted": "recovery", "help_offered": "recovery", "help_answered": "recovery", "help_confirmed": "recovery",
+    "help_released": "recovery", "helper_left": "recovery", "helper_came": "recovery", "helper_sent_back": "recovery",
     "exchange": "success", "shared_plan": "success", "team_finished": "success", "run_over": "success",
+    "helper_returned": "success",
 }  # fmt: skip
 
 
@@ -173,6 +179,8 @@ def _effects(model: Model, kind: str, data: Mapping[str, object], source: str) -
             found = {**model.suspects, (team, robot): "broken"} if broken else _without(model.suspects, (team, robot))
             left = tuple(a for a in model.doubts.get(team, ()) if (robot in a) == broken)
             return _doubting(replace(model, suspects=found), team, left)
+        case "robot_broken", {"robot": str(robot)}:
+            return replace(model, suspects={**model.suspects, (team, robot): "broken"})
         case "repair", {"robot": str(robot)}:
             return replace(model, suspects=_without(model.suspects, (team, robot)))
         case "step_started", {"step": int(step)}:

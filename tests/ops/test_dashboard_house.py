@@ -9,9 +9,11 @@ from time import process_time
 import pytest
 from msgspec.structs import replace
 
-from bus.messages import BodyFrame, Envelope, Frame, Status
+from bus.events import KINDS
+from bus.messages import BodyFrame, Envelope, Event, Frame, Status
 from ops.dashboard import Model, render, update
 from ops.dashboard.house import draw, remaining, room
+from ops.dashboard.model import TONES
 from ops.dashboard.rooms import arranged
 from ops.recording import Writer
 from tests.ops.pictures import folded, picture
@@ -106,6 +108,16 @@ def test_who_is_between_two_rooms_is_told() -> None:
 def test_a_broken_robot_is_marked() -> None:
     broken = said("world", Frame(1.0, 1, (BodyFrame("T1.r1", "r1", "robot", "T1", 3.0, 3.0, broken=True),)))
     assert any("r1✗" in line for line in picture(update(made_up(), broken), 80, 24))
+
+
+def test_what_teams_say_of_trouble_and_help_has_its_tone() -> None:
+    assert set(TONES) <= set(KINDS)
+    told_of = [("heavy_object", "cause"), ("new_way", "recovery"), ("help_wanted", "recovery"), ("set_aside", "fault")]
+    model = folded([said("T1", Event(kind, {"team": "T1", "text": kind})) for kind, _ in told_of], made_up())
+    assert [(note.kind, note.tone) for note in model.events[-4:]] == told_of
+    found = update(model, said("T1", Event("robot_broken", {"team": "T1", "robot": "r2", "text": "x"})))
+    assert found.suspects == {("T1", "r2"): "broken"}
+    assert any("r2?" in line for line in picture(found, 160, 50))
 
 
 FAR = tuple((x, y) for x in (-1e9, 0.0, 1e9) for y in (-1e9, 4.0, 1e9))
