@@ -3,8 +3,9 @@
 Write-ahead logging with synchronous=NORMAL: a commit survives the death of the process at any moment. (It may be
 lost when the machine loses power, but then the whole run is lost.) Without a path everything is in memory.
 
-Tables: `entries` for the owner's keys and values, `replies` that were given, by requester and request, `events`
-that were reported, by incarnation and number.
+Tables: `entries` for the owner's keys and values, `replies` that were given, in their order, `events` that were
+reported, by incarnation and number in one. Replies and events are only appended, at the end of a tree ordered by one
+whole number, which takes a third of what other orders take; which reply is whose is known in memory.
 """
 
 from __future__ import annotations
@@ -16,13 +17,15 @@ from pathlib import Path
 
 REPLIES_KEPT = 2000
 """Replies remembered per requester: far more than anybody has unanswered at a time."""
+LET_GO = 256
+"""So many of the oldest are let go at once."""
+LIFE = 1 << 22
+"""More events than any process reports in one life."""
 
 TABLES = """
 create table if not exists entries (key text primary key, value blob not null) without rowid;
-create table if not exists replies (requester text, request text, number integer not null, packed blob not null,
-                                    primary key (requester, request)) without rowid;
-create table if not exists events (incarnation integer, number integer, packed blob not null,
-                                   primary key (incarnation, number)) without rowid;
+create table if not exists replies (number integer primary key, requester text, request text, packed blob not null);
+create table if not exists events (id integer primary key, packed blob not null);
 create table if not exists lives (incarnation integer primary key);
 """
 
@@ -48,9 +51,13 @@ class Journal:
         self._db.execute("insert into lives select coalesce(max(incarnation), 0) + 1 from lives")
         self.incarnation: int = self._db.execute("select max(incarnation) from lives").fetchone()[0]
         """1 for the first life of the process, then one more each time."""
-        self._replies: int = self._db.execute("select coalesce(max(number), 0) from replies").fetchone()[0]
-        # Nearly every request is new, which this set knows at once. It may hold more than there is, not less.
-        self._answered: set[tuple[str, str]] = set(self._db.execute("select requester, request from replies"))
+        self._last_event = (self.incarnation, 0)
+        # The numbers of replies by requester and request, the oldest first. It may hold more than there is, not less.
+        self._given: dict[str, dict[str, int]] = {}
+        self._replies = 0
+        order = "select requester, request, number from replies order by number"
+        for requester, request, number in self._db.execute(order):
+            self._given.setdefault(requester, {})[request] = self._replies = number
 
     def close(self) -> None:
         """Close the file; safe to repeat."""
@@ -68,6 +75,7 @@ class Journal:
             self._depth -= 1
             if self._depth == 0:
                 self._db.execute("rollback")
+                self._last_event = (-1, 0)
                 self._afterwards.clear()
             raise
         self._depth -= 1
@@ -106,40 +114,48 @@ class Journal:
 
     def reply_to(self, requester: str, request: str) -> bytes | None:
         """The reply that was given to a requester's request of this id."""
-        if (requester, request) not in self._answered:
+        number = self._given.get(requester, {}).get(request)
+        if number is None:
             return None
-        question = "select packed from replies where requester = ? and request = ?"
-        row = self._db.execute(question, (requester, request)).fetchone()
+        row = self._db.execute("select packed from replies where number = ?", (number,)).fetchone()
         return row[0] if row else None
 
     def remember_reply(self, requester: str, request: str, packed: bytes) -> None:
         """Keep a reply; the oldest replies to the same requester are let go.
 
-        Raises sqlite3.IntegrityError when there is one already.
+        Raises ValueError when there is one already.
         """
+        if self.reply_to(requester, request) is not None:
+            raise ValueError(f"{request!r} of {requester!r} was answered before")
+        given = self._given.setdefault(requester, {})
         self._replies += 1
-        self._answered.add((requester, request))
-        self._db.execute("insert into replies values (?, ?, ?, ?)", (requester, request, self._replies, packed))
-        if self._replies % 256 == 0:
-            order = "select requester, request from replies where requester = ? order by number desc limit -1 offset ?"
-            oldest = self._db.execute(order, (requester, REPLIES_KEPT)).fetchall()
+        given[request] = self._replies
+        self._db.execute("insert into replies values (?, ?, ?, ?)", (self._replies, requester, request, packed))
+        if len(given) >= REPLIES_KEPT + LET_GO:
+            oldest = [(given.pop(request),) for request in [*given][:LET_GO]]
             with self.transaction():
-                self._db.executemany("delete from replies where requester = ? and request = ?", oldest)
-            self._answered.difference_update(oldest)
+                self._db.executemany("delete from replies where number = ?", oldest)
 
     def last_event(self, incarnation: int) -> int:
         """The number of the last event of an incarnation; 0 if it reported none."""
-        row = self._db.execute("select max(number) from events where incarnation = ?", (incarnation,)).fetchone()
-        return row[0] or 0
+        if self._last_event[0] == incarnation:
+            return self._last_event[1]
+        if incarnation > self.incarnation:
+            return 0
+        first = incarnation * LIFE
+        order = "select max(id) from events where id between ? and ?"
+        row = self._db.execute(order, (first, first + LIFE - 1)).fetchone()
+        return row[0] - first if row[0] else 0
 
     def add_event(self, number: int, packed: bytes) -> None:
         """Keep an event of this incarnation."""
-        self._db.execute("insert into events values (?, ?, ?)", (self.incarnation, number, packed))
+        self._db.execute("insert into events values (?, ?)", (self.incarnation * LIFE + number, packed))
+        self._last_event = (self.incarnation, number)
 
     def events(self, incarnation: int, first: int, limit: int) -> list[bytes]:
         """Up to `limit` events of an incarnation from number `first`, in order."""
-        rows = self._db.execute(
-            "select packed from events where incarnation = ? and number >= ? order by number limit ?",
-            (incarnation, first, limit),
-        )
+        if incarnation > self.incarnation:
+            return []
+        start, order = incarnation * LIFE, "select packed from events where id between ? and ? order by id limit ?"
+        rows = self._db.execute(order, (start + min(first, LIFE), start + LIFE - 1, limit))
         return [packed for (packed,) in rows]

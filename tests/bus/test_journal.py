@@ -110,4 +110,21 @@ def test_events_by_life_and_number(tmp_path: Path) -> None:
     assert again.events(1, 2, 10) == [b"2", b"3"]
     assert again.events(1, 1, 2) == [b"1", b"2"]
     assert again.events(2, 1, 10) == [b"new life"]
+    assert again.events(1, 2**63, 10) == again.events(2**63, 1, 10) == []
+    assert (again.last_event(2**63), again.events(0, 1, 10)) == (0, [])
     again.close()
+
+
+def test_what_was_undone_may_be_done_again() -> None:
+    journal = Journal()
+    journal.remember_reply("T1", "first", b"1")
+    journal.add_event(1, b"1")
+    with pytest.raises(RuntimeError), journal.transaction():
+        journal.remember_reply("T1", "second", b"2")
+        journal.add_event(2, b"2")
+        raise RuntimeError
+    assert (journal.reply_to("T1", "second"), journal.last_event(1)) == (None, 1)
+    journal.remember_reply("T1", "second", b"3")
+    assert (journal.reply_to("T1", "first"), journal.reply_to("T1", "second")) == (b"1", b"3")
+    with pytest.raises(ValueError, match="answered before"):
+        journal.remember_reply("T1", "second", b"4")
