@@ -119,7 +119,7 @@ def test_what_was_undone_may_be_done_again() -> None:
     journal = Journal()
     journal.remember_reply("T1", "first", b"1")
     journal.add_event(1, b"1")
-    with pytest.raises(RuntimeError), journal.transaction():
+    with pytest.raises(RuntimeError), journal.transaction():  # noqa: PT012
         journal.remember_reply("T1", "second", b"2")
         journal.add_event(2, b"2")
         raise RuntimeError
