@@ -29,12 +29,12 @@ class _Way(NamedTuple):
 
 
 def home(model: Model, teams: list[str], width: int, height: int) -> Block:
-    """At most `height` lines of `width` cells; none if there is no place for a picture."""
+    """At most `height` lines of `width` cells, but two in any case; without a picture if there is no place for one."""
     spaces = {w.team: w for w in model.scene.workspaces} if model.scene else {}
     rooms = tuple(room(spaces[name]) for name in teams if name in spaces)
     way = _best(rooms, width, height)
     if way is None:
-        return []
+        return lines(model, teams, width, max(height, 2))
     wide, tall = extent(way.found.views)
     picture = draw(model, way.found.views)
     if way.kind == "beside":
@@ -48,7 +48,7 @@ def home(model: Model, teams: list[str], width: int, height: int) -> Block:
     pad = (width - wide) // 2
     block = [line(width, " " * pad, text) for text in picture]
     if way.kind == "lines":
-        return [*block, *(team_line(model, name, width) for name in teams)]
+        return [*block, *lines(model, teams, width, len(teams))]
     used = min(height - tall, TALL + 6)
     widths = [width // len(teams) + (i < width % len(teams)) for i in range(len(teams))]
     row = [team(model, n, None, w, used, NO_FLOOR) for n, w in zip(teams, widths, strict=True)]
@@ -68,6 +68,13 @@ def _best(rooms: tuple[Room, ...], width: int, height: int) -> _Way | None:
 def _way(kind: str, liking: float, rooms: tuple[Room, ...], columns: int, rows: int) -> _Way:
     found = arranged(rooms, columns, rows)
     return _Way(found, found.worth * liking, kind)
+
+
+def lines(model: Model, teams: list[str], width: int, height: int) -> Block:
+    """A line a team, and a count of those for which there is no line."""
+    shown = teams if len(teams) <= height else teams[: height - 1]
+    more = [line(width, (f"   and {len(teams) - len(shown)} more teams", "dim"))] if len(shown) < len(teams) else []
+    return [*(team_line(model, name, width) for name in shown), *more]
 
 
 def team_line(model: Model, name: str, width: int) -> Text:

@@ -65,8 +65,6 @@ def _screen(model: Model, width: int, height: int, focus: str, note: str, keys: 
         room = height - len(top) - len(foot) - len(bench)
         middle = home(model, teams, width, room - (EVENTS_TALL if height >= TALL else EVENTS_LOW))
         used = len(middle)
-        if not middle:
-            middle, used = _summary(model, teams, width, max(room - 6, 2))
     else:
         bench = [panels.bench(model, width)]
         room = height - len(top) - len(foot) - 1

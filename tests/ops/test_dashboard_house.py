@@ -78,6 +78,13 @@ def test_a_plan_is_shown_around_its_current_step() -> None:
     assert "executing step 2  goto(r1" in "\n".join(picture(made_up(3), 80, 24))
 
 
+def test_without_place_for_a_picture_there_is_a_line_a_team() -> None:
+    rows = picture(made_up(), 63, 17)
+    assert [row.split()[1] for row in rows[2:5]] == ["T1", "T2", "T3"]
+    assert "22/25" in rows[3]
+    assert "and 2 more teams" in picture(made_up(), 40, 12)[3]
+
+
 def test_before_the_first_frame_everybody_is_where_the_scene_says() -> None:
     views = arranged(tuple(room(space) for space in ROOMS[:1]), 60, 24).views
     start = folded([scene(1)])
