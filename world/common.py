@@ -10,6 +10,7 @@ from __future__ import annotations
 from bus.messages import Envelope, Executed, Status
 from world.motion import Motion
 from world.office import Office
+from world.own import SavedWindows
 from world.sensors import sense
 from world.things import BENCH
 from world.window import Window, step_of
@@ -69,6 +70,9 @@ class Common:
         window = self._window
         if window is not None and not window.begun and self._truth.tick >= self._window_tick(window):
             self._begin(window)
+
+    def saved(self) -> SavedWindows:
+        return SavedWindows()
 
     def _window_tick(self, window: Window) -> int:
         """When the window begins, and then when it ends."""

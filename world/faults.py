@@ -44,10 +44,13 @@ class Faults:
                 node.impair(impair)
 
     # ------------------------------------------------------------ when
-    def at_step(self, step: int, actions: set[str]) -> Iterator[int]:
-        """Numbers of the faults that are due when this global step begins with these actions (``TEAM.action``)."""
+    def at_step(self, step: int, actions: set[str], team: str = "") -> Iterator[int]:
+        """Numbers of the faults that are due when this step begins with these actions (``TEAM.action``): a global step,
+        or that of a team, which other teams have nothing to do with."""
         for number, fault in self._open():
-            begins = fault.at_step is not None and fault.at_step <= step
+            whose = fault.target.partition(".")[0]
+            others = team and whose != team and whose in self._truth.layout.spaces
+            begins = fault.at_step is not None and fault.at_step <= step and not others
             if begins or (fault.on_action is not None and fault.on_action.replace(" ", "") in actions):
                 yield number
 

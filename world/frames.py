@@ -11,6 +11,7 @@ from typing import Any
 from msgspec import Raw, msgpack
 
 from bus.messages import BodyFrame, Frame
+from world.sensors import where
 from world.things import Thing
 from world.truth import Truth
 
@@ -93,5 +94,5 @@ def membership(truth: Truth, step: int) -> dict[str, object]:
         if kind.role == "robot":
             robots[thing.id] = [thing.place, thing.name]
         elif thing.place in truth.layout.spaces:
-            objects[thing.id] = {kind.place: truth.line(thing), **thing.attributes}
+            objects[thing.id] = {kind.place: where(truth, thing), **thing.attributes}
     return {"step": step, "robots": robots, "objects": objects}

@@ -7,6 +7,7 @@ south-west corner, and cell (x,y) has its middle half a metre east and north of 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import floor
 
 from bus.scene import Scene, Workspace
@@ -65,6 +66,14 @@ class Layout:
     def from_bench(self, robot: str, end: Point) -> list[Point]:
         """The corners of the way back."""
         return [(LANE_M, self.slot(robot)[1]), (LANE_M, end[1]), end]
+
+    def walls(self, space: Workspace) -> Iterator[tuple[Point, Point]]:
+        """The sides of a room and of its furniture."""
+        ox, oy = self.origins[space.team]
+        w, h = space.width, space.height
+        for corners in (((0, 0), (w, 0), (w, h), (0, h)), *(solid.corners for solid in space.solids)):
+            points = [(ox + x, oy + y) for x, y in corners]
+            yield from zip(points, points[1:] + points[:1], strict=True)
 
     def in_grid(self, team: str, x: int, y: int) -> bool:
         space = self.spaces[team]

@@ -28,15 +28,15 @@ IN_ROOMS = {
     "object": pymunk.ShapeFilter(categories=THING, mask=SOLID),
     "person": pymunk.ShapeFilter(categories=PERSON, mask=ROBOT),
 }
-WALL_M = 0.001
-TURNING = 0.5
-"""How hard a heavy thing is to turn on the spot: friction at so many metres."""
+WALLS, WALL_M = "", 0.001
+TURNING_M, HELD_M = 1.0, 0.05
+"""How hard a heavy thing is to turn: friction at so many metres; less if it is held at both ends."""
 
 
 class _Body(NamedTuple):
     body: pymunk.Body
     shape: pymunk.Shape
-    drive: pymunk.PivotJoint
+    drive: pymunk.PivotJoint | None
     control: pymunk.Body
     solid: pymunk.ShapeFilter
     mass_kg: float
@@ -53,7 +53,7 @@ class Floor:
         self._bodies: dict[str, _Body] = {}
         self._belts: dict[str, pymunk.Body] = {}
         self._couplings: dict[tuple[str, str], pymunk.PivotJoint] = {}
-        self._more: dict[str, list[pymunk.Shape | pymunk.Constraint]] = {}
+        self._turning: dict[str, pymunk.GearJoint] = {}
         # Positions are read from the space all at once: one call for a hundred bodies costs what ten single ones do.
         self._buffer = batch.Buffer()
         self._order: list[str] = []
@@ -94,15 +94,16 @@ class Floor:
         body.angle = heading_rad or 0.0
         body.position = at
         control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        drive = pymunk.PivotJoint(control, body, middle, middle)
-        drive.max_bias = 0.0
-        drive.max_force = force_n
-        shape = pymunk.Segment(body, (0, 0), (1, 0), radius_m) if heavy else pymunk.Circle(body, radius_m)
-        shape.filter = IN_ROOMS[role]
+        drive = None
+        if role != "person":
+            drive = pymunk.PivotJoint(control, body, middle, middle)
+            drive.max_bias, drive.max_force = 0.0, force_n
         if heavy:
             turning = pymunk.GearJoint(control, body, 0.0, 1.0)
-            turning.max_bias, turning.max_force = 0.0, force_n * TURNING
-            self._more[name] = [turning]
+            turning.max_bias, turning.max_force = 0.0, force_n * TURNING_M
+            self._turning[name] = turning
+        shape = pymunk.Segment(body, (0, 0), (1, 0), radius_m) if heavy else pymunk.Circle(body, radius_m)
+        shape.filter = IN_ROOMS[role]
         self._bodies[name] = _Body(body, shape, drive, control, IN_ROOMS[role], mass_kg, force_n)
         self.lower(name)
 
@@ -114,9 +115,8 @@ class Floor:
 
     def lift(self, name: str) -> None:
         """Take a body off the floor: nothing touches or moves it any more, it keeps its place."""
-        it = self._bodies[name]
-        if it.body.space is not None:
-            self._space.remove(*self._more.get(name, ()), it.drive, it.shape, it.body)
+        if (it := self._bodies[name]).body.space is not None:
+            self._space.remove(*self._parts(name))
             it.body.velocity = (0.0, 0.0)
             self._at[name] = it.body.position.x, it.body.position.y
             self._order = []
@@ -132,9 +132,8 @@ class Floor:
 
     def lower(self, name: str) -> None:
         """Put a lifted body back on the floor."""
-        it = self._bodies[name]
-        if it.body.space is None:
-            self._space.add(it.body, it.shape, it.drive, *self._more.get(name, ()))
+        if self._bodies[name].body.space is None:
+            self._space.add(*self._parts(name))
             self._order = []
             self._stale = True
 
@@ -177,7 +176,7 @@ class Floor:
         """Pull towards this velocity with at most this force, until told otherwise."""
         it = self._bodies[name]
         it.control.velocity = velocity
-        it.drive.max_force = force_n
+        self._pull(name, force_n)
 
     def halt(self, name: str) -> None:
         """Pull towards standing still, with the force of the drive before."""
@@ -185,12 +184,15 @@ class Floor:
 
     def brake(self, name: str) -> None:
         """Hold fast what was halted: it resists being pushed."""
-        it = self._bodies[name]
-        it.drive.max_force = it.brake_n
+        self._pull(name, self._bodies[name].brake_n)
 
     def release(self, name: str) -> None:
         """Let itself be pulled."""
-        self._bodies[name].drive.max_force = ROLLING_N
+        self._pull(name, ROLLING_N)
+
+    def ease(self, name: str, held: bool) -> None:
+        """A heavy thing is held at both ends, or is not any more."""
+        self._turning[name].max_force = self._bodies[name].brake_n * (HELD_M if held else TURNING_M)
 
     def run_belt(self, belt: str, velocity: Point) -> None:
         self._belt(belt).velocity = velocity
@@ -218,10 +220,20 @@ class Floor:
         for _ in range(times):
             advance(dt_s)
 
+    def _pull(self, name: str, force_n: float) -> None:
+        drive = self._bodies[name].drive
+        assert drive is not None
+        drive.max_force = force_n
+
+    def _parts(self, name: str) -> list[pymunk.Body | pymunk.Shape | pymunk.Constraint]:
+        """Everything of a body that the space knows."""
+        it = self._bodies[name]
+        return [part for part in (it.body, it.shape, it.drive, self._turning.get(name)) if part is not None]
+
     def _read(self) -> None:
         """Take all positions from the space; who is lifted keeps its own."""
         if not self._order:
-            names = {it.body.id: name for name, it in self._bodies.items()}
+            names = {it.body.id: name for name, it in self._bodies.items()} | {self._space.static_body.id: WALLS}
             self._buffer.clear()
             batch.get_space_bodies(self._space, batch.BodyFields.BODY_ID, self._buffer)
             self._order = [names[number] for number in memoryview(self._buffer.int_buf()).cast("P")]

@@ -5,7 +5,8 @@ That a robot is broken is not sensed.
 
 from __future__ import annotations
 
-from bus.messages import State
+from bus.messages import State, Value
+from world import seeing
 from world.things import Thing
 from world.truth import Truth
 
@@ -16,12 +17,14 @@ NOBODY = "none"
 
 
 def sense(truth: Truth, team: str) -> State:
-    """Place, attributes and coupling of everything in the team's workspace."""
+    """Place, attributes and coupling of everything in the team's workspace; in a room, of what is in view."""
+    if truth.layout.spaces[team].room:
+        return seeing.sense(truth, team)
     truth.fade()
     state: State = {}
     for thing in truth.of(team):
         kind, name = truth.kind(thing), thing.name
-        state[f"{kind.place}({name})"] = truth.line(thing) if kind.track == "line" else seen_cell(truth, thing)
+        state[f"{kind.place}({name})"] = where(truth, thing)
         for attribute in kind.attributes:
             if attribute in thing.attributes:
                 state[f"{attribute}({name})"] = thing.attributes[attribute]
@@ -29,6 +32,17 @@ def sense(truth: Truth, team: str) -> State:
             partner = truth.things.get(thing.partner)
             state[f"{kind.couples}({name})"] = partner.name if partner is not None else NOBODY
     return state
+
+
+def where(truth: Truth, thing: Thing) -> Value:
+    """The line position or the cell that a body is at."""
+    match truth.kind(thing).track:
+        case "line":
+            return truth.line(thing)
+        case "floor":
+            x, y = truth.cell(thing)
+            return f"({x},{y})"
+    return seen_cell(truth, thing)
 
 
 def seen_cell(truth: Truth, thing: Thing) -> str:

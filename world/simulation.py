@@ -12,7 +12,7 @@ import msgspec
 
 from bus import keys
 from bus.clock import ContactState
-from bus.messages import Envelope, Execute, Inject, Observe, Observed, Ok, Order, Status
+from bus.messages import Envelope, Execute, Inject, Observe, Observed, Ok, Order, Status, Value
 from bus.node import Node
 from bus.scene import Scene
 from world.common import Common
@@ -21,6 +21,7 @@ from world.faults import Faults, SavedFaults, physical
 from world.frames import Frames
 from world.herald import Herald
 from world.office import Office
+from world.own import Own, SavedWindows
 from world.sensors import sense
 from world.things import Thing
 from world.truth import Truth
@@ -30,13 +31,15 @@ IDLE_FRAME_S = 1.0
 
 
 class Saved(msgspec.Struct):
-    """The world between two periods. `orders` are changes that the coordinator has not confirmed yet."""
+    """The world as it was last. `orders` are changes that the coordinator has not confirmed yet."""
 
     tick: int
     step: int
     things: list[Thing]
     faults: SavedFaults
     orders: list[Order]
+    fluents: dict[str, dict[str, Value]]
+    windows: SavedWindows
 
 
 class Windows(Protocol):
@@ -77,6 +80,9 @@ class Windows(Protocol):
     def open(self) -> None:
         """Begin the steps that may begin."""
 
+    def saved(self) -> SavedWindows:
+        """What is under way and is to survive this process."""
+
 
 class World:
     """Implements `bus.clock.Simulation`."""
@@ -89,19 +95,19 @@ class World:
         self.recovered = packed is not None
         # What is said before the clock runs is said at the time at which it will begin to run.
         node.post.outbox.now = lambda: self.now_s
-        saved, untold = SavedFaults(), []
+        saved, untold, under_way = SavedFaults(), [], SavedWindows()
         if packed is None:
             self.truth.begin()
         else:
             state = msgspec.msgpack.decode(packed, type=Saved)
-            saved, untold = state.faults, state.orders
+            saved, untold, under_way = state.faults, state.orders, state.windows
             self.truth.tick, self.truth.step = state.tick, state.step
+            self.truth.fluents.update(state.fluents)
             self.truth.restore(state.things)
         self.faults = Faults(node, self.truth, saved, self.participants)
         self.disturbances = Disturbances(node, self.truth, self.faults, self._save)
         self.herald = Herald(node, COORDINATOR)
         self._office = Office(node, self.truth, self.faults, self.disturbances, self._save, self._show_frame)
-        self.windows: Windows = Common(self._office)
         self._waiting: list[Envelope] = []
         self._frame_ticks = max(round(1 / (scene.frame_hz * scene.dt_s)), 1)
         self._frames, self._frame_tick = Frames(self.truth), -1
@@ -109,6 +115,7 @@ class World:
         node.emit(
             "started", text, incarnation=node.incarnation, role="world", recovered=self.recovered, step=self.truth.step
         )
+        self.windows: Windows = Common(self._office) if scene.conducted else Own(self._office, under_way)
         self._office.tell_membership(self.truth.step)
         for order in untold:
             self.disturbances.tell(order)
@@ -203,7 +210,8 @@ class World:
     # ------------------------------------------------------------ what is kept and shown
     def _save(self) -> None:
         truth = self.truth
-        saved = Saved(truth.tick, truth.step, truth.save(), self.faults.saved, self.disturbances.untold)
+        faults, untold = self.faults.saved, self.disturbances.untold
+        saved = Saved(truth.tick, truth.step, truth.save(), faults, untold, truth.fluents, self.windows.saved())
         self.node.journal.put(SAVED, msgspec.msgpack.encode(saved))
 
     def _show_frame(self) -> None:

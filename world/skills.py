@@ -1,4 +1,5 @@
-"""The generic skills: what a robot, a line or a person can do in one period, and what has to be so for it to work.
+"""The generic skills: what a robot, a line or a person can do in one period, and what has to be so for it to work. Only
+following a way may take several.
 
 Each skill has a beginning and an end, functions of the truth and a `Task`. Both give the reason why nothing comes of
 it, or an empty text. Between the two, physics moves the bodies. What a call says is never believed: an action has the
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from world import handling, moving, stores
+from world import following, grasping, handling, moving, stores
 from world.tasks import Task
 from world.truth import Truth
 
@@ -38,4 +39,9 @@ SKILLS: dict[str, Skill] = {
     "depart": Skill(moving.begin_depart, moving.end_depart),
     "arrive": Skill(moving.begin_arrive, moving.end_arrive),
     "convey": Skill(moving.begin_convey, moving.end_convey, 3),
+    "follow": Skill(following.begin_follow, following.end_follow),
+    "grasp": Skill(grasping.begin_grasp, grasping.end_grasp),
+    "release": Skill(grasping.begin_release, grasping.end_release),
+    "leave": Skill(grasping.begin_leave, grasping.end_leave),
+    "enter": Skill(grasping.begin_enter, grasping.end_enter),
 }

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from bus.messages import SkillCall, Value
 from bus.scene import Action
+from world.driving import Trip
+from world.physics import Point
 from world.things import Thing
 from world.truth import Truth
 
 Cell = tuple[int, int]
+Felt = Literal["blocked", "too_heavy", "nothing_there"]
 
 
 def written(call: SkillCall) -> str:
@@ -19,9 +23,11 @@ def written(call: SkillCall) -> str:
 
 @dataclass(slots=True)
 class Task:
-    """A call of a team's step. `begun`: it was possible so far; `failed` says why nothing came of it.
+    """A call of a team's step. `begun`: it was possible so far; `failed` says why nothing came of it, `felt` what the
+    robot noticed of that.
 
-    `goal` is the cell that `bodies` are to get to, `leaves` that they go away; `board` is shared by all of a window.
+    `goal` is the cell that `bodies` are to get to, `leaves` that they go away; `way` and `trip` are of a robot that
+    follows a way; `board` is shared by all of a window.
     """
 
     team: str
@@ -37,6 +43,9 @@ class Task:
     bodies: tuple[Thing, ...] = ()
     leaves: bool = False
     finding: str = ""
+    felt: Felt | None = None
+    way: list[Point] = field(default_factory=list)
+    trip: Trip | None = None
 
     def arg(self, role: str) -> Value | None:
         """The argument that plays this role."""

@@ -71,6 +71,4 @@ class Thing(msgspec.Struct, omit_defaults=True):
     known: bool = True
     end: int = 0
     heading_rad: float = 0.0
-    came: str = ""
-    ready: int = 0
     walked: int = 0

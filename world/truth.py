@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from bus.messages import Value
 from bus.scene import Entity, Kind, Scene
 from world.layout import Layout
 from world.physics import Floor, Point
@@ -14,7 +15,8 @@ from world.things import BENCH, GONE, HEAVY_MPS2, MOVING, RAMP, Thing, heading, 
 
 
 class Truth:
-    """All things of a scene, on their floor. `tick` is now, `step` the global step executed last."""
+    """All things of a scene, on their floor. `tick` is now, `step` the highest step executed so far, `fluents` what
+    each team is shown besides the bodies."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -22,12 +24,16 @@ class Truth:
         self.period = round(scene.period_s / scene.dt_s)
         self.tick = 0
         self.step = -1
+        self.fluents: dict[str, dict[str, Value]] = {w.team: dict(w.fluents) for w in scene.workspaces}
         self.things: dict[str, Thing] = {}
         self._named: dict[tuple[str, str], Thing] = {}
         self._of: dict[str, dict[str, Thing]] = {}
         self._marked: dict[str, Thing] = {}
         metre_per_second = 1.0 / (MOVING * scene.period_s)
         self.floor = Floor(scene.dt_s, metre_per_second / (RAMP * scene.period_s))
+        for space in scene.workspaces:
+            for a, b in self.layout.walls(space) if space.room else ():
+                self.floor.wall(a, b)
 
     def begin(self) -> None:
         """Put everything where the scene says."""
@@ -136,11 +142,19 @@ class Truth:
 
     def grip(self, robot: Thing, thing: Thing, end: int) -> None:
         robot.partner, robot.end = thing.id, end
-        self.floor.couple(robot.id, thing.id, end)
+        self._join(robot, thing)
+
+    def _join(self, robot: Thing, thing: Thing) -> None:
+        self.floor.couple(robot.id, thing.id, robot.end)
+        if thing.heavy:
+            self.floor.ease(thing.id, len(self.holders(thing)) == 2)
 
     def ungrip(self, robot: Thing) -> None:
-        self.floor.uncouple(robot.id, robot.partner)
+        thing = self.things[robot.partner]
+        self.floor.uncouple(robot.id, thing.id)
         robot.partner, robot.end = "", 0
+        if thing.heavy:
+            self.floor.ease(thing.id, False)
 
     def holders(self, thing: Thing) -> list[Thing]:
         """The robots that hold it."""
@@ -204,7 +218,7 @@ class Truth:
         for thing in things:
             partner = self.things.get(thing.partner)
             if partner is not None and thing.end:
-                self.floor.couple(thing.id, partner.id, thing.end)
+                self._join(thing, partner)
             # Both know of the coupling; one whose kind couples made it.
             elif partner is not None and self.kind(thing).couples and not self.floor.coupled(thing.id, partner.id):
                 self.floor.couple(thing.id, partner.id)

@@ -1,0 +1,85 @@
+"""What a robot in a room sees ahead of it: whether its way is clear for as far as it needs to stop.
+
+Walls and furniture do not come into it: a robot knows them and its way keeps off them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from math import dist
+from typing import NamedTuple
+
+from world.physics import Point
+from world.things import Thing
+from world.truth import Truth
+
+GAP_M = 0.1
+"""So far from what is in its way a robot stops."""
+APPROACH_M = 0.15
+"""So much farther it looks out for what moves."""
+RESPECT_M = 0.25
+"""So far robots keep from people who walk, if they can."""
+SPACING_M = 0.05
+BAR = (0.25, 0.5, 0.75)
+"""Where the bar between the ends of a heavy thing is looked at, too."""
+
+
+class Disc(NamedTuple):
+    """What may be in the way; `patient`: it may go by itself, and waiting is worth it."""
+
+    thing: Thing
+    at: Point
+    radius_m: float
+    patient: bool
+
+
+def discs(truth: Truth, thing: Thing, patient: bool = False) -> list[Disc]:
+    """A body as it stands or lies."""
+    radius_m = truth.kind(thing).radius_m
+    at = truth.floor.where(thing.id)
+    found = [Disc(thing, at, radius_m, patient)]
+    if thing.heavy:
+        found += [
+            Disc(thing, between(at, truth.floor.end(thing.id, 2), share), radius_m, patient) for share in (*BAR, 1)
+        ]
+    return found
+
+
+def between(a: Point, b: Point, share: float) -> Point:
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+
+def parts(places: Sequence[Point], robot_m: float, thing_m: float) -> Iterator[tuple[Point, float]]:
+    """One robot, or two and what is between them, at these places."""
+    for at in places:
+        yield at, robot_m
+    if len(places) == 2:
+        for share in BAR:
+            yield between(places[0], places[1], share), thing_m
+
+
+def reach_m(stop_m: float, *, patient: bool) -> float:
+    """How far to look out for somebody, by what it takes to stop."""
+    return stop_m + GAP_M + (stop_m + APPROACH_M if patient else 0.0)
+
+
+def in_the_way(
+    now: Sequence[tuple[Point, float]],
+    ahead: Sequence[tuple[float, Sequence[tuple[Point, float]]]],
+    others: Iterable[Disc],
+    walking: Collection[str],
+    stop_m: float,
+) -> Disc | None:
+    """The first of `others` that would be touched: `ahead` are the places that are so many metres ahead. Whoever is
+    near already and does not come nearer is not in the way. More room is left to people who are `walking`."""
+    for other in others:
+        extra_m = RESPECT_M if other.thing.id in walking else 0.0
+        reach = reach_m(stop_m, patient=other.patient)
+        for metres, places in ahead:
+            if metres > reach:
+                break
+            for (was, radius_m), (at, _) in zip(now, places, strict=True):
+                near_m = dist(at, other.at)
+                if near_m < radius_m + other.radius_m + extra_m and near_m < dist(was, other.at) - 1e-6:
+                    return other
+    return None
