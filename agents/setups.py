@@ -22,8 +22,8 @@ class GivenPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class CoordinatorSetup(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``coordinator.json``: the teams' names. `delay` is the transport of a lent robot, in steps. Where sharing is
-    general, `delays` are those from team to team, and `robots` says how many of each kind a team takes at most. Unless `conducted`, the
-    teams act for themselves."""
+    general, `delays` are those from team to team, and `robots` says how many of each kind a team takes at most. Unless
+    `conducted`, the teams act for themselves."""
 
     teams: tuple[str, ...]
     delay: int

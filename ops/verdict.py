@@ -72,7 +72,7 @@ def judge(
     if verdict.makespan_at_most is not None:
         conditions.append(_makespan(verdict.makespan_at_most, makespan, goal))
     if verdict.optimal is not None:
-        conditions.append(_optimal(verdict.optimal, [event for _, event in said if event.kind == "shared_plan"]))
+        conditions.append(_optimal(verdict.optimal, [event for _, event in said if "proof" in event.data]))
     for pattern in verdict.eventually:
         first = next((event for source, event in said if matches(pattern, source, event)), None)
         conditions.append(

@@ -65,7 +65,10 @@ class Acting:
             self.go_on()
         elif now.course is None:
             self._think()
+        elif self.finished and not now.reported:
+            self._rest()
         else:
+            mind.keep(reported=now.reported and self.finished)
             mind.show("at rest")
 
     def _wait(self, units: int) -> None:
@@ -99,7 +102,7 @@ class Acting:
         def think(_: object) -> Thought:
             if now.help.phase in ("coming", "underway") and not (now.need is not None and now.need.strong):
                 doors = mind.words.doors(mind.static, now.state)[now.help.partner_room]
-                arrival = mind.words.now(now.state) + max(now.help.units, mind.delay)
+                arrival = mind.words.now(now.state) + now.help.arrival_units
                 course = mind.thinking.with_helper(now.state, now.aside, doors[0], arrival)
                 if course is not None:
                     return Thought(course, None, now.aside, now.late)
@@ -127,8 +130,11 @@ class Acting:
                 late=now.late or thought.late,
                 plans=now.plans + bool(course.steps),
             )
-            if not course.steps and thought.need is None and now.help.phase in ("none", "refused"):
-                self._rest()
+            if not course.steps and thought.need is None:
+                mind.keep(resting=True)
+                if now.help.phase == "coming":
+                    self.helpers.take(helping.withdraw(now.help))
+        self.helpers.attend()
         self.go_on()
 
     # ------------------------------------------------------------ steps
@@ -260,9 +266,8 @@ class Acting:
         """Nothing more to do: tell the coordinator."""
         mind, now = self.mind, self.mind.memory
         number = now.rest.number + 1 if now.rest is not None else 1
-        late = now.late or 0 < mind.words.deadline(mind.static, now.state) < mind.words.now(now.state)
-        report = m.AtRest(number, now.step, now.plans, now.aside, late)
-        mind.keep(rest=report, resting=True)
+        report = m.AtRest(number, now.step, now.plans, now.aside, now.late)
+        mind.keep(rest=report, reported=True)
         left = f", but for {', '.join(sorted(now.aside))}" if now.aside else ""
         mind.emit("team_finished", f"is done{left} after {now.step} steps", step=now.step, untidy=sorted(now.aside))
         mind.node.journal.afterwards(lambda: self._report(report))

@@ -28,14 +28,18 @@ class Escort:
         match now.help.phase:
             case "called":
                 robot = now.help.name or self._choose()
-                if self.mind.words.held(now.state, robot) is not None and now.left:
-                    return False  # first it puts down what it holds
-                self._send_out(robot)
+                if self.mind.words.held(now.state, robot) is None:
+                    self._send_out(robot)
+                elif now.left:
+                    return False  # first it brings what it holds to where it is to be
+                else:
+                    free = self.mind.words.free
+                    self._execute("door", (f"{free}({robot})",), (SkillCall(free, (robot,)),))
                 return True
             case "underway" if not now.left:
                 self._execute("enter", (), self.entering())
                 return True
-            case "here" if not now.left and now.course is not None and now.need is None:
+            case "here" if now.resting:
                 self._send_out(now.help.name)
                 return True
             case "homing":
@@ -110,7 +114,7 @@ class Escort:
             kind, text = ("helper_sent_back", "sends") if guest else ("helper_left", "has")
             where = f"back to {partner}" if guest else f"leave for {partner}"
             mind.emit(kind, f"{text} {now.help.name} {where}", robot=now.help.name, to=partner)
-            mind.keep(help=helping.left(now.help), course=None, looked=False)
+            mind.keep(help=helping.left(now.help), course=None, looked=False, resting=False)
 
     def came_in(self) -> None:
         """Has the robot come in that was on its way here?"""
@@ -120,7 +124,7 @@ class Escort:
         if now.help.phase == "underway":
             text = f"has {now.help.name} of {now.help.partner} at its orders"
             mind.emit("helper_came", text, robot=now.help.name, of=now.help.partner)
-            mind.keep(help=helping.came(now.help), course=None, need=None, looked=False)
+            mind.keep(help=helping.came(now.help), course=None, need=None, looked=False, resting=False)
 
     def _is_home(self) -> None:
         mind, now = self.mind, self.mind.memory

@@ -18,6 +18,7 @@ class Helpers:
 
     def __init__(self, mind: Mind, changed: Callable[[], None]) -> None:
         self.mind, self._changed = mind, changed
+        self._calls: list[tuple[Envelope, m.HelpCall]] = []
 
     @property
     def _peers(self) -> tuple[str, ...]:
@@ -57,7 +58,19 @@ class Helpers:
 
     # ------------------------------------------------------------ what is asked
     def called(self, envelope: Envelope, body: m.HelpCall) -> None:
-        """Another team calls: think about it, then answer."""
+        """Another team calls: it is answered as soon as this one knows what it has to do itself."""
+        self._calls.append((envelope, body))
+        self.attend()
+
+    def attend(self) -> None:
+        """Think about the calls that wait, if that is possible now, and answer."""
+        now = self.mind.memory
+        if now.resting or now.course is not None or now.help.engaged:
+            calls, self._calls = self._calls, []
+            for envelope, body in calls:
+                self._consider(envelope, body)
+
+    def _consider(self, envelope: Envelope, body: m.HelpCall) -> None:
         mind = self.mind
         now = mind.memory
 

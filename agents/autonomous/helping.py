@@ -72,6 +72,12 @@ class Help(msgspec.Struct, frozen=True):
         return self.phase in ENGAGED
 
     @property
+    def arrival_units(self) -> int:
+        """Units from when the asker and the helper are agreed until the robot is there."""
+        answer = self.answers.get(self.partner)
+        return answer.units if answer is not None else self.units
+
+    @property
     def asker(self) -> bool:
         return self.phase in ("coming", "underway", "here", "returning")
 
@@ -118,6 +124,12 @@ def call(
 def give_up(help_: Help) -> Help:
     """Call no more: the work has gone away, or nobody can do it."""
     return _alone(help_)
+
+
+def withdraw(help_: Help) -> Help:
+    """The work was done before the helper has left for here."""
+    assert help_.phase == "coming", help_.phase
+    return replace(_alone(help_), off=(*help_.off, (help_.partner, help_.caller, help_.call)))
 
 
 def left(help_: Help) -> Help:

@@ -37,8 +37,8 @@ class Memory(msgspec.Struct, frozen=True):
     does not count any more, `alone`: nobody can help. `stopped` tells where robots were to go that stopped on their
     way, `waited` for how many units they have waited. Nothing is done before `until_s`. `peers` are the other teams in
     contact (None: the coordinator has not said so yet) as of its message number `told`, `stood` is the cell where the
-    robot stood that helps elsewhere, `offered`: help was offered since it was last asked for. `rest` is the latest
-    report that there is nothing more to do, `resting` whether that still holds.
+    robot stood that helps elsewhere, `offered`: help was offered since it was last asked for. `resting`: there is
+    nothing more to do here; `rest` is the latest report of that, `reported` whether it still holds.
     """
 
     step: int = 0
@@ -62,6 +62,7 @@ class Memory(msgspec.Struct, frozen=True):
     offered: bool = False
     rest: AtRest | None = None
     resting: bool = False
+    reported: bool = False
 
     @property
     def left(self) -> int:

@@ -37,7 +37,7 @@ class Mind:
         self.memory = memory.load(node.journal)
         self.unit_s = self.domain.data.time["period_s"]
         self.delay = int(self.static.get("delay", 0))
-        self.thinking = Thinking(self.domain, self.team, self.words, self.static, lambda: False)
+        self.thinking = Thinking(self.domain, self.team, self.words, self.static, thinker.beat)
         self._ways: Ways | None = None
         self._waiting: dict[str, Callable[[Envelope], None]] = {}
 

@@ -105,7 +105,10 @@ def _watch_deadline(mind: Mind, step: int) -> None:
     if now.course is None or not deadline or now.late:
         return
     end = words.now(now.state) + words.now(now.course.states[-1]) - words.now(now.course.states[now.at])
-    if end > deadline and now.left:
+    if end > deadline and not now.left and now.need is None:
+        mind.emit("deadline_missed", f"was done after {end} units, and the deadline was at {deadline}", step=step)
+        mind.keep(late=True)
+    elif end > deadline:
         text = f"would be done after {end} units, and the deadline is at {deadline}"
         mind.emit("deadline_at_risk", text, step=step, end=end, deadline=deadline)
         mind.keep(course=None, looked=False)

@@ -63,12 +63,12 @@ class Thought(msgspec.Struct, frozen=True):
 
 
 class Thinking:
-    """The planner of one team. `delay` is the time from room to room, in units."""
+    """The planner of one team; `beat` is called several times a second."""
 
     def __init__(
-        self, domain: Domain, team: str, words: Words, static: Mapping[str, Value], cancelled: Callable[[], bool]
+        self, domain: Domain, team: str, words: Words, static: Mapping[str, Value], beat: Callable[[], None]
     ) -> None:
-        self._domain, self._team, self._words, self._cancelled = domain, team, words, cancelled
+        self._domain, self._team, self._words, self._beat = domain, team, words, beat
         self._static = dict(static)
         self._delay = int(static.get("delay", 0))
 
@@ -77,6 +77,11 @@ class Thinking:
         is here or nobody has one to spare; `late`: the deadline does not count any more."""
         words, left = self._words, dict(aside)
         now = problem_state(words, state)
+        past = 0 < words.deadline(self._static, now) < words.now(now)
+        if past and not late:  # it is missed only if there is something left to do
+            thought = self.consider(state, aside, helped=helped, late=True)
+            undone = thought.need is not None or thought.course is None or bool(thought.course.steps)
+            return msgspec.structs.replace(thought, late=undone)
         static = self._static if not late else self._loose(now)
         guest = {} if helped else self._guest(now)
         left |= self._impossible(now, guest, left)
@@ -184,10 +189,12 @@ class Thinking:
         return [n for n, bound in bounds.items() if n not in left and bound]
 
     def _bound(self, now: State, left: Mapping[str, str]) -> bool:
+        self._beat()
         found = prospects(self._problem(self._loose(now), now, left))
         return bool(found.hopeless) or found.bound > 0
 
     def _hopeless(self, static: dict[str, Value], now: State, left: Mapping[str, str]) -> str:
+        self._beat()
         return prospects(self._problem(static, now, left)).hopeless
 
     # ------------------------------------------------------------ searching
@@ -201,14 +208,15 @@ class Thinking:
     ) -> tuple[Plan, str] | None:
         """A plan of the fewest steps, `least` at least, and of these one that costs least, with the proof in words."""
         problem = self._problem(static, now, left)
-        planner = Planner(problem, cancelled=self._cancelled)
+        planner = Planner(problem, beat=self._beat)
+        self._beat()
         if planner.hopeless():
             return None
         bound = max(planner.lower_bound(), least)
         for within in range(bound, bound + MORE_STEPS + 1):
             answer = planner.answer(Question("alone", within), conflicts=CONFLICTS)
             if answer.plan is not None:
-                plan, why = cheapest(problem, answer.plan, within, cancelled=self._cancelled)
+                plan, why = cheapest(problem, answer.plan, within, beat=self._beat)
                 said = f"{within} steps; no fewer are possible" if not least else f"{within} steps"
                 return (plan, "; ".join(filter(None, [said, why]))) if not self._wrong(problem, plan) else None
             if answer.verdict == "unknown" or planner.hopeless():
@@ -217,6 +225,7 @@ class Thinking:
 
     def _wrong(self, problem: Problem, plan: Plan) -> bool:
         """Does the independent checker refuse it?"""
+        self._beat()
         states, steps = {self._team: problem.state}, {self._team: plan.steps}
         return bool(check(self._domain, problem.static, states, steps, details={self._team: plan.details}))
 

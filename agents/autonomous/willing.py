@@ -27,11 +27,10 @@ class Willing(NamedTuple):
 def willing(
     words: Words, static: Mapping[str, Value], thinking: Thinking, now: Memory, call: HelpCall, delay: int
 ) -> Willing:
-    """What the team would answer if it had no other promise to keep."""
+    """What the team would answer if it had no other promise to keep. It has looked around and has a plan, or is
+    engaged."""
     room = words.here(now.state)
     doors = words.doors(static, now.state).get(call.room, [])
-    if not now.state or not (now.resting or now.course is not None or now.need is not None):
-        return _no(call, room or "-", "it has not looked around yet", later=True)
     if not doors:
         return _no(call, room, f"no door leads to {call.room}")
     if call.kind == "want":
@@ -48,8 +47,6 @@ def _spares(words: Words, static: Mapping[str, Value], now: Memory, call: HelpCa
     robot, there = (free or fit)[0], DOOR_UNITS + delay
     deadline = words.deadline(static, now.state)
     if deadline and not now.resting and not now.late:
-        if now.course is None:
-            return _no(call, room, "it does not know yet what it needs itself", later=True)
         done = words.now(now.state) + _left(words, now) + 2 * there + call.units
         if done > deadline:
             return _no(call, room, f"it would be done after {done} units, its deadline is at {deadline}", later=True)
@@ -60,8 +57,8 @@ def _gains(words: Words, thinking: Thinking, now: Memory, call: HelpCall, room: 
     """Help is accepted by who waits for it, and by who saves enough by it."""
     if now.need is not None and not now.left:
         return Willing(HelpAnswer(call.number, True, room, now.need.units))
-    if now.resting or now.course is None or not now.left:
-        return _no(call, room, "it has nothing more to do" if now.resting else "it does not know yet", not now.resting)
+    if not now.left:
+        return _no(call, room, "it has nothing more to do")
     arrival = words.now(now.state) + call.units
     course = thinking.with_helper(now.state, now.aside, doors[0], arrival)
     saved = 0 if course is None else words.now(now.state) + _left(words, now) - words.now(course.states[-1])
