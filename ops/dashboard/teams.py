@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from typing import NamedTuple
 
 from rich.text import Text
@@ -46,7 +47,7 @@ def team(model: Model, name: str, ground: Floor | None, width: int, height: int,
     status = model.statuses.get(name)
     title, right, style = _team_head(model, name, status, ground, width)
     inner, rows = width - 2, height - 1
-    facts = told(status, inner)[:rows]
+    facts = told(model, status, inner)[:rows]
     rows -= len(facts)
     drawing = draw(model, ground, look.cell, look.ruled) if ground and look.cell else []
     broad = max((text.cell_len for text in drawing), default=0)
@@ -78,30 +79,38 @@ def _team_head(
     return title, right, tone if state and tone != "dim" else style
 
 
-def told(status: Status | None, width: int) -> Block:
+def told(model: Model, status: Status | None, width: int) -> Block:
     """A line for the time, if the team counts it, and one for the help that is under way, if there is any."""
     if status is None:
         return []
     out: Block = []
     if status.elapsed >= 0:
-        late = " deadline missed" if 0 < status.deadline < status.elapsed else ""
+        late = " deadline missed" if 0 < status.deadline < elapsed(model, status) else ""
         bar = max(min(width - 17 - len(late), 40), 4)
-        out.append(line(width, " time  ", clock(status, bar), (late, "bold red")))
+        out.append(line(width, " time  ", clock(model, status, bar), (late, "bold red")))
     if status.helping:
         out.append(line(width, (" help  ", ""), (f"» {status.helping}", "cyan")))
     return out
 
 
-def clock(status: Status, bar: int) -> Text:
+def elapsed(model: Model, status: Status) -> int:
+    """Units of time since the run began, until the team is finished: it counts when it looks, and time goes on."""
+    if status.finished or model.scene is None:
+        return status.elapsed
+    return max(status.elapsed, ceil(model.now_s / model.scene.period_s - 1e-9))
+
+
+def clock(model: Model, status: Status, bar: int) -> Text:
     """``14/25 ━━━━────`` units of time of the deadline, or ``14 units``; nothing if the team does not count."""
     if status.elapsed < 0:
         return joined("")
+    units = elapsed(model, status)
     if not status.deadline:
-        return joined(f"{status.elapsed:>2} units")
-    share = min(status.elapsed / status.deadline, 1.0)
-    style = "bold red" if status.elapsed > status.deadline else "yellow" if share > CLOSE else "green"
+        return joined(f"{units:>2} units")
+    share = min(units / status.deadline, 1.0)
+    style = "bold red" if units > status.deadline else "yellow" if share > CLOSE else "green"
     done = round(share * bar)
-    return joined((f"{status.elapsed:>2}/{status.deadline} ", style), ("━" * done, style), ("─" * (bar - done), "dim"))
+    return joined((f"{units:>2}/{status.deadline} ", style), ("━" * done, style), ("─" * (bar - done), "dim"))
 
 
 def at_work(status: Status) -> str:

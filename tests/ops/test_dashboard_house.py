@@ -107,6 +107,13 @@ def test_time_that_has_run_out_is_told() -> None:
     assert any("27/25" in line and "deadline missed" in line for line in picture(late, 80, 24))
 
 
+def test_time_goes_on_while_a_team_thinks_and_stands_when_it_is_finished() -> None:
+    later = update(made_up(), said("world", Frame(40.0, 4, ()), at_s=40.0))
+    text = "\n".join(picture(later, 160, 50))
+    assert "14/25 ━" in text  # of three seconds each
+    assert " 7 units" in text
+
+
 def test_who_is_between_two_rooms_is_told() -> None:
     away = said("world", Frame(1.0, 1, (BodyFrame("T1.r1", "r1", "robot", "bench", 0.0, 0.0),)))
     assert any(line.startswith(" hallway r1 of T1 under way") for line in picture(update(made_up(), away), 80, 24))
