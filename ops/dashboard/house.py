@@ -40,9 +40,9 @@ def signs(scene: Scene) -> list[Text]:
     return [
         *(joined(marks[kind.role], f" {name}") for name, kind in scene.kinds.items() if name in there),
         joined((f"r1{HELD}x", ROBOTS[0]), " holds x"),
-        joined((f"{GUEST}r1", ROBOTS[0]), " of another room"),
+        joined((f"{GUEST}r1", ROBOTS[0]), " helper"),
         joined(("⠂⠐⠠", ROBOTS[0]), " way"),
-        joined(("⣿", TALL), ("⢕", LOW), " furniture, tall or low"),
+        joined(("⣿", TALL), ("⢕", LOW), " furniture"),
         joined(("↑", DOOR), " door"),
     ]
 
@@ -190,7 +190,7 @@ class _Inside:
         if body.name in held and self._role[body.id] == "object":
             return
         name = clean(body.name)
-        short = [name, name[:4], name[:2], name[:1]]
+        short = [name, name.rstrip("0123456789").rstrip("_") or name, name[:4], name[:2], name[:1]]
         if self._role[body.id] == "robot":
             label = (GUEST if body.id.partition(".")[0] != body.place else "") + robot(self._model, body).plain
             thing = self._holds(body)
@@ -202,7 +202,8 @@ class _Inside:
             east, west = floor((x + radius) / ACROSS) + 1, ceil((x - radius) / ACROSS) - 1 - len(text)
             middle, row = floor(x / ACROSS) - len(text) // 2, floor(y / DOWN)
             above, below = floor((y - radius) / DOWN) - 1, floor((y + radius) / DOWN) + 1
-            beside = [(east, row), (west, row), (middle, above), (middle, below), (east, above), (east, below)]
+            end = floor(x / ACROSS) + 1 - len(text)
+            beside = [(east, row), (west, row), *((c, r) for c in (middle, end, east) for r in (above, below))]
             for column, line in beside:
                 if self._free(column, line, len(text)):
                     self._canvas.text(column, line, text, self._style(body))
