@@ -11,7 +11,7 @@ from agents.autonomous.escort import Escort
 from agents.autonomous.helpers import Helpers
 from agents.autonomous.memory import Begun, Purpose
 from agents.autonomous.mind import COORDINATOR, WORLD, Mind
-from agents.autonomous.thinking import GUEST, Thought
+from agents.autonomous.thinking import DOOR_UNITS, GUEST, Need, Thought
 from agents.autonomous.ways import NoWay
 from bus import messages as m
 from bus.messages import Envelope
@@ -104,8 +104,8 @@ class Acting:
                 doors = mind.words.doors(mind.static, now.state)[now.help.partner_room]
                 arrival = mind.words.now(now.state) + now.help.arrival_units
                 course = mind.thinking.with_helper(now.state, now.aside, doors[0], arrival)
-                if course is not None:
-                    return Thought(course, None, now.aside, now.late)
+                need = None if course is not None else Need(0, "before going on")
+                return Thought(course, need, now.aside, now.late, "feasible", "with a robot that is on its way")
             return mind.thinking.consider(now.state, now.aside, helped=helped, late=now.late)
 
         mind.thinker.start(think, self._thought)
@@ -145,10 +145,12 @@ class Acting:
         assert course is not None
         actions = course.steps[now.at]
         if any(f"({GUEST}" in action for action in actions):
-            mind.show(f"waiting for the robot of {now.help.partner}")
-            if now.help.phase not in ("coming", "underway"):
-                mind.keep(course=None)
-                self.go_on()
+            if now.help.phase == "underway":
+                self.execute("enter", (), self.escort.entering())
+            elif now.help.phase == "coming":
+                mind.show(f"waiting for the robot of {now.help.partner}")
+            else:
+                self._replan("nobody comes to help")
             return
         units = words.now(course.states[now.at + 1]) - words.now(course.states[now.at])
         try:
@@ -249,7 +251,7 @@ class Acting:
                 mind.keep(alone=True, need=None, course=None, help=helping.give_up(help_), looked=False)
                 self.go_on()
             case "refused" if not now.offered:
-                self.helpers.call("offer", 4 + mind.delay, False, "")
+                self.helpers.call("offer", DOOR_UNITS + mind.delay, False, "")
             case "refused":
                 mind.keep(help=helping.give_up(help_), offered=False)
                 self._wait(AGAIN_UNITS)

@@ -106,6 +106,7 @@ class Helpers:
             mind.node.reply(envelope, reply)
             if before.phase == "promised" and help_.phase == "none":
                 mind.emit("help_released", f"is released by {envelope.src}", by=envelope.src)
+        self._expect(before)
         self.tell()
         self._changed()
 
@@ -138,12 +139,20 @@ class Helpers:
             help_ = helping.heard_answer(mind.team, help_, reply.src, body)
         elif isinstance(body, m.HelpStands):
             help_ = helping.heard_stands(help_, reply.src, about, body)
-        confirmed = mind.memory.help.phase == "confirming" and help_.engaged
+        before = mind.memory.help
+        confirmed = before.phase == "confirming" and help_.engaged
         with mind.node.journal.transaction():
             mind.keep(help=help_)
             if confirmed:
                 which = "helps" if help_.asker else "is helped by"
                 text = f"and {help_.partner} are agreed: {help_.partner} {which} {mind.team}"
                 mind.emit("help_confirmed", text, partner=help_.partner, call=help_.kind)
+        self._expect(before)
         self.tell()
         self._changed()
+
+    def _expect(self, before: Help) -> None:
+        """A robot is going to come: plan with it, unless it is for what cannot begin without it."""
+        now = self.mind.memory
+        if now.help.phase == "coming" and before.phase != "coming" and not (now.need is not None and now.need.strong):
+            self.mind.keep(course=None, need=None, looked=False)

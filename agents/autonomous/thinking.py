@@ -25,8 +25,10 @@ MORE_STEPS = 6
 """So many steps more than are needed at least are looked at."""
 LAST_STEPS = range(4, 13)
 """In how many steps before the end a helper may be needed, from few to many."""
-CONFLICTS = 200_000
-"""At most so many conflicts a search."""
+DOOR_UNITS = 4
+"""A robot gets to a door in so many units at most, wherever it is."""
+CONFLICTS = 20_000
+"""At most so many conflicts for all steps of a search: within a deadline that cannot be met it would go on for ever."""
 GUEST = "guest"
 
 
@@ -95,7 +97,7 @@ class Thinking:
             left |= dict.fromkeys(heavy, "it needs two robots, and nobody can help")
             return self.consider(state, left, helped=helped, late=late)
         if not late and guest and words.deadline(self._static, now):
-            arrival = words.now(now) + self._delay + 2
+            arrival = words.now(now) + self._delay + DOOR_UNITS
             there = {**static, f"away({words.here(now)},0)": f"({GUEST},{arrival})"}
             found = self._attempt(there, {**now, **guest}, left)
             if found is not None:
@@ -107,11 +109,15 @@ class Thinking:
         return Thought(Course((), (now,)), None, {**left, **misplaced}, late, "unknown")
 
     def with_helper(self, state: State, aside: Mapping[str, str], at: Cell, arrival: int) -> Course | None:
-        """The plan with a guest that does nothing before `arrival`, in units since the run began."""
-        words, now = self._words, problem_state(self._words, state)
-        static = {**self._static, f"away({words.here(now)},0)": f"({GUEST},{arrival})"}
-        found = self._attempt(static, {**now, **self._stands(GUEST, at)}, aside)
-        return None if found is None else _course(found[0])
+        """The plan with a guest that does nothing before `arrival`, in units since the run began; within the deadline
+        if that is possible."""
+        now = problem_state(self._words, state)
+        away: dict[str, Value] = {f"away({self._words.here(now)},0)": f"({GUEST},{arrival})"}
+        for static in (self._static, self._loose(now)):
+            found = self._attempt({**static, **away}, {**now, **self._stands(GUEST, at)}, aside)
+            if found is not None:
+                return _course(found[0])
+        return None
 
     # ------------------------------------------------------------ with help at the end
     def _with_help_at_the_end(
@@ -212,14 +218,15 @@ class Thinking:
         self._beat()
         if planner.hopeless():
             return None
-        bound = max(planner.lower_bound(), least)
+        bound, left_over = max(planner.lower_bound(), least), CONFLICTS
         for within in range(bound, bound + MORE_STEPS + 1):
-            answer = planner.answer(Question("alone", within), conflicts=CONFLICTS)
+            answer = planner.answer(Question("alone", within), conflicts=left_over)
+            left_over -= answer.conflicts
             if answer.plan is not None:
-                plan, why = cheapest(problem, answer.plan, within, beat=self._beat)
+                plan, why = cheapest(problem, answer.plan, within, beat=self._beat) if within else (answer.plan, "")
                 said = f"{within} steps; no fewer are possible" if not least else f"{within} steps"
                 return (plan, "; ".join(filter(None, [said, why]))) if not self._wrong(problem, plan) else None
-            if answer.verdict == "unknown" or planner.hopeless():
+            if answer.verdict == "unknown" or planner.hopeless() or left_over <= 0:
                 break
         return None
 

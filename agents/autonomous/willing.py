@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from agents.autonomous.memory import Memory
-from agents.autonomous.thinking import Thinking
+from agents.autonomous.thinking import DOOR_UNITS, Thinking
 from agents.autonomous.words import Words
 from bus.messages import HelpAnswer, HelpCall, Value
 from reasoning.geometry import Cell
 
-DOOR_UNITS = 4
-"""A robot gets to a door in so many units at most, wherever it is."""
 WORTH_UNITS = 2
 """Help that saves less is not worth the way."""
 

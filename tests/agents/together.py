@@ -98,6 +98,13 @@ class Process:
             self.die()
             return True
 
+    def poke(self) -> None:
+        """A turn without mail: time has passed."""
+        try:
+            self.mind.turn(())
+        except Killed:
+            self.die()
+
 
 class Supervisor:
     def __init__(self, node: Node) -> None:
