@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 class FaultKind(NamedTuple):
     """`on`: what the target names; `args`: optional and required arguments with their meaning."""
 
-    on: Literal["robot", "body", "object", "team", "process", "link"]
+    on: Literal["robot", "body", "object", "new", "team", "process", "link"]
     required: tuple[str, ...]
     optional: tuple[str, ...]
     help: str
@@ -21,8 +21,13 @@ class FaultKind(NamedTuple):
 KINDS: dict[str, FaultKind] = {
     "break": FaultKind("robot", (), (), "the robot achieves nothing from now on, unseen"),
     "move": FaultKind(
-        "body", (), ("x", "y", "to"), "a person puts a robot on cell x, y or an object on line position to"
+        "body",
+        (),
+        ("x", "y", "to"),
+        "a person puts a robot, or what is in a room, on cell x, y; what is on a line on line position to",
     ),
+    "bring": FaultKind("new", ("what", "x", "y"), (), "a person puts a thing of that kind on cell x, y of a room"),
+    "take": FaultKind("object", (), (), "a person takes a thing out of its room"),
     "set": FaultKind("object", ("attribute", "value"), (), "a person changes a sensed property of an object"),
     "order": FaultKind("team", ("add",), (), "so many more objects enter the team's line"),
     "cancel": FaultKind("team", ("objects",), (), "the last so many objects leave the team's order"),

@@ -27,7 +27,8 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     On the floor of a room: `pose` names the fluent that tells exactly, in millimetres, where a body is that is not in
     the middle of a cell, `end` the one that tells where the other end of a heavy thing is. A robot holds an end of a
-    thing, which is shown as a term ``GRIP(NAME,1)``, or 2 for the other end; `grip` is its name. `friction_n` is what
+    thing, which is shown as a term ``GRIP(NAME,1)``, or 2 for the other end; `grip` is its name. `sort` is the
+    attribute that tells what a thing is. `friction_n` is what
     a robot must overcome to drag a thing, `heavy_n` a heavy one; `traction_n` is what it has.
     """
 
@@ -43,6 +44,7 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     pose: str = ""
     end: str = ""
     grip: str = ""
+    sort: str = ""
     traction_n: Positive = 300.0
     friction_n: Positive = 10.0
     heavy_n: Positive = 360.0

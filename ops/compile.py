@@ -142,11 +142,15 @@ def _entity(team: str, name: str, kind: str, known: Kind, setup: Setup, time: Ma
 
 def names(scene: Scene) -> Names:
     """What a disturbance of this scene can be aimed at."""
-    robots = tuple(entity.id for entity in scene.entities if scene.kinds[entity.kind].role == "robot")
+    robots, objects, persons = (
+        tuple(entity.id for entity in scene.entities if scene.kinds[entity.kind].role == role)
+        for role in ("robot", "object", "person")
+    )
     return Names(
         teams=tuple(workspace.team for workspace in scene.workspaces),
         robots=robots,
-        objects=tuple(entity.id for entity in scene.entities if entity.id not in robots),
+        objects=objects,
+        persons=persons,
         processes=("world", "coordinator", *(workspace.team for workspace in scene.workspaces)),
     )
 
@@ -155,18 +159,22 @@ def _check_faults(scenario: Scenario, scene: Scene) -> None:
     """Now that the bodies are known: does every fault have a target that exists and an attribute that is sensed?"""
     known = names(scene)
     growing = {fault.target for fault in scenario.faults if fault.kind == "order"}
+    brought = {fault.target for fault in scenario.faults if fault.kind == "bring"}
+    on_lines = {entity.id for entity in scene.entities if scene.kinds[entity.kind].track == "line"}
     for number, fault in enumerate(scenario.faults):
         team = fault.target.partition(".")[0]
         if team in growing and fault.target not in (*known.robots, *known.objects) and fault.kind in ("move", "set"):
             continue  # it may name an object that is yet to come
+        if fault.target in brought and fault.kind in ("move", "take"):
+            continue
         at = ["fault", str(number)]
         if wrong := problem(fault.kind, fault.target, fault.args, known):
             raise scenario.complaint([*at, wrong[0]], wrong[1])
-        if fault.kind == "move" and (("to" in fault.args) != (fault.target in known.objects)):
+        if fault.kind == "move" and (("to" in fault.args) != (fault.target in on_lines)):
             raise scenario.complaint(
-                [*at, "target"], "a robot is moved to a cell x, y; an object to a line position to"
+                [*at, "target"], "what is on a line is moved to a line position to; all else to a cell x, y"
             )
-        if fault.kind == "move" and (wrong := _off_floor(fault, scene)):
+        if fault.kind in ("move", "bring") and (wrong := _off_floor(fault, scene)):
             raise scenario.complaint([*at, wrong[0]], wrong[1])
         if fault.kind == "set":
             kind = next(entity.kind for entity in scene.entities if entity.id == fault.target)
@@ -179,7 +187,12 @@ def _off_floor(fault: Fault, scene: Scene) -> tuple[str, str] | None:
     """Which argument of a move leads out of the team's workspace, and what was expected."""
     team = fault.target.partition(".")[0]
     space = next(workspace for workspace in scene.workspaces if workspace.team == team)
-    lowest_and_highest = {"x": (1, space.width), "y": (1, space.height), "to": (0, None)}
+    first = 0 if space.room else 1
+    lowest_and_highest = {
+        "x": (first, space.width - 1 + first),
+        "y": (first, space.height - 1 + first),
+        "to": (0, None),
+    }
     for key, (lowest, highest) in lowest_and_highest.items():
         number = fault.args.get(key, lowest)
         if isinstance(number, int) and (number < lowest or (highest is not None and number > highest)):

@@ -7,16 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from re import fullmatch
 
 from bus.faults import KINDS, FaultKind
 
 EVERYBODY = "*"
 ARROW = ">"
+_WORD = r"[a-z]\w{0,30}"
 
 _TARGETS = {
     "robot": "a robot, TEAM.ROBOT",
     "body": "a robot or an object, TEAM.NAME",
     "object": "an object, TEAM.NAME",
+    "new": "a new thing of a team, TEAM.NAME",
     "team": "a team",
     "process": "a process",
     "link": f"a process (all that it sends), FROM{ARROW}TO, or {EVERYBODY}",
@@ -25,11 +28,13 @@ _TARGETS = {
 
 @dataclass(frozen=True)
 class Names:
-    """What can be a target: teams, robots and objects as TEAM.NAME, processes. Empty: not known, any name is taken."""
+    """What can be a target: teams, robots, objects and persons as TEAM.NAME, processes. Empty: not known, any name is
+    taken."""
 
     teams: Collection[str] = ()
     robots: Collection[str] = ()
     objects: Collection[str] = ()
+    persons: Collection[str] = ()
     processes: Collection[str] = ()
 
 
@@ -49,7 +54,7 @@ def problem(kind: str, target: str, args: Mapping[str, object], names: Names = A
         if wrong := _argument(name, value):
             return name, wrong
     if kind == "move" and set(args) not in ({"x", "y"}, {"to"}):
-        return "move", "expected either x and y (a robot's cell) or to (an object's line position)"
+        return "move", "expected either x and y (a cell) or to (an object's line position)"
     return _target(kind, known, target, names)
 
 
@@ -76,18 +81,26 @@ def _argument(name: str, value: object) -> str:
         return "" if isinstance(value, int) and number else "expected a whole number"
     if name == "attribute":
         return "" if isinstance(value, str) else "expected the name of an attribute"
+    if name == "what":
+        named = isinstance(value, str) and fullmatch(_WORD, value)
+        return "" if named else "expected what it is: a small letter, then letters, digits or _"
     return "" if isinstance(value, int | str) and not isinstance(value, bool) else "expected a number or a word"
 
 
 def _target(kind: str, known: FaultKind, target: str, names: Names) -> tuple[str, str] | None:
     choices = {
         "robot": [*names.robots],
-        "body": [*names.robots, *names.objects],
+        "body": [*names.robots, *names.objects, *names.persons],
         "object": [*names.objects],
+        "new": [],
         "team": [*names.teams],
         "process": [*names.processes],
         "link": [*names.processes],
     }[known.on]
+    if known.on == "new":
+        team, _, name = target.partition(".")
+        fits = fullmatch(_WORD, name) and (not names.teams or team in names.teams)
+        return None if fits else ("target", f"expected {_TARGETS['new']}")
     ends = target.split(ARROW) if known.on == "link" else [target]
     if len(ends) > 2 or not all(ends):
         return "target", f"expected {_TARGETS[known.on]}"

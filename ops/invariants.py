@@ -79,7 +79,10 @@ def work(recording: Recording, scene: Scene) -> Iterator[str]:
         if event.kind == "step_started":
             worked |= _worked(scene, data)
         elif event.kind == "fault_injected":
-            excused.add(str(data.get("target")))
+            target = str(data.get("target"))
+            excused.add(target)
+            ordered |= {target} if data.get("kind") == "bring" else set()
+            cancelled |= {target} if data.get("kind") == "take" else set()
         elif event.kind == "order":
             ordered |= {f"{data.get('team')}.{name}" for name in _list(data.get("added"))}
             cancelled |= {f"{data.get('team')}.{name}" for name in _list(data.get("cancelled"))}

@@ -8,7 +8,7 @@ lets the other pass. Who does not get on although nothing is in sight is held up
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import atan2, ceil, dist, hypot
+from math import atan2, ceil, dist, hypot, sqrt
 from typing import Literal
 
 import msgspec
@@ -34,7 +34,7 @@ SETTLED_M = 0.005
 """Who is that near to where it was to go has got there: a mechanical stop does the rest."""
 CLAIM_M, CLAIMED_M = 1.0, 0.1
 """So much of a way that is driven, in such pieces, is kept free by those who set out later."""
-TOO_FAST_MPS = 3.0
+CORRECTION_HZ = 10.0
 
 Outcome = Literal["", "there", "blocked", "too_heavy", "stopped"]
 
@@ -42,8 +42,8 @@ Outcome = Literal["", "there", "blocked", "too_heavy", "stopped"]
 class Trip(msgspec.Struct):
     """A drive of one robot, or of two with one thing, as it is saved: ways in metres on the world's floor, the `ticks`
     it is given, the `seconds` it is to take, `driven_s` of them it has driven, at `rate` of its speed, and `waited`
-    ticks. What lies `under` the robots at the start is not in the way, nor what lies in the last cell, if they hold
-    nothing."""
+    ticks. `load` is what two carry. What lies `under` the robots at the start is not in the way, nor what lies in the
+    last cell, if they hold nothing."""
 
     team: str
     robots: list[str]
@@ -54,6 +54,7 @@ class Trip(msgspec.Struct):
     driven_s: float = 0.0
     rate: float = 0.0
     waited: int = 0
+    load: str = ""
     under: list[str] = []
     outcome: Outcome = ""
 
@@ -77,6 +78,7 @@ class Driver:
         way = Way(ways, accel)
         seconds = max(ticks * self._dt_s - EARLY_S, way.seconds)
         trip = Trip(team, [robot.id for robot in robots], ways, ticks, accel, seconds)
+        trip.load = robots[0].partner if len(robots) == 2 else ""
         robot_m = truth.kind(robots[0]).radius_m
         for thing in truth.of(team):
             lying = truth.kind(thing).role == "object" and thing.id not in held
@@ -85,12 +87,15 @@ class Driver:
                     trip.under.append(thing.id)
         self.trips.append(trip)
         self._ways[id(trip)] = way
+        self._ease(trip, True)
         return trip
 
     def take_up(self, trips: list[Trip]) -> None:
         """Go on with trips that were under way when the world was saved."""
         self.trips = trips
         self._ways = {id(trip): Way(trip.ways, trip.accel_mps2) for trip in trips}
+        for trip in trips:
+            self._ease(trip, not trip.outcome)
 
     def end(self, trip: Trip) -> None:
         """It is over: who got there stands exactly where it was to go, with what it holds."""
@@ -130,7 +135,8 @@ class Driver:
                 return self._halt(trip, "there")
             if trip.waited * self._dt_s > SETTLING_S:
                 return self._halt(trip, "blocked")
-        else:
+        before = way.at(self._driven(trip))
+        if trip.driven_s < trip.seconds:
             speed_mps = (self._driven(trip, self._dt_s) - self._driven(trip)) / self._dt_s
             other = self._obstacle(trip, speed_mps * trip.rate)
             change = trip.accel_mps2 * self._dt_s / max(speed_mps, CRAWL_MPS)
@@ -143,21 +149,29 @@ class Driver:
             else:
                 trip.waited += 1
             trip.driven_s = min(trip.driven_s + trip.rate * self._dt_s, trip.seconds)
-        self._command(trip, way.at(self._driven(trip)))
+        for name, here, there in zip(trip.robots, before, way.at(self._driven(trip)), strict=True):
+            self._command(name, here, there)
         return None
 
-    def _command(self, trip: Trip, places: tuple[Point, ...]) -> None:
-        """Be there at the end of the tick."""
-        for name, at in zip(trip.robots, places, strict=True):
-            x_m, y_m = self._floor.where(name)
-            vx, vy = (at[0] - x_m) / self._dt_s, (at[1] - y_m) / self._dt_s
-            slower = min(1.0, TOO_FAST_MPS / max(hypot(vx, vy), CRAWL_MPS))
-            self._floor.drive(name, (vx * slower, vy * slower), self._truth.force_n(self._truth.things[name]))
+    def _command(self, name: str, here: Point, there: Point) -> None:
+        """Go as the way goes from here to there within the tick, and make up for what is lacking to be here."""
+        x_m, y_m = self._floor.where(name)
+        dx_m, dy_m = here[0] - x_m, here[1] - y_m
+        lack_m = hypot(dx_m, dy_m)
+        gain = min(CORRECTION_HZ, sqrt(ACCEL_MPS2 / lack_m)) if lack_m else 0.0
+        velocity = (there[0] - here[0]) / self._dt_s + gain * dx_m, (there[1] - here[1]) / self._dt_s + gain * dy_m
+        self._floor.drive(name, velocity, self._truth.force_n(self._truth.things[name]))
 
     def _halt(self, trip: Trip, outcome: Outcome) -> None:
         trip.outcome = outcome
+        self._ease(trip, False)
         for name in trip.robots:
             self._floor.halt(name)
+
+    def _ease(self, trip: Trip, carried: bool) -> None:
+        """Two carry what they hold together."""
+        if trip.load:
+            self._floor.ease(trip.load, carried)
 
     def _driven(self, trip: Trip, more_s: float = 0.0) -> float:
         """How many metres of its way it is to have driven, now or in a little while at full rate."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from bus.messages import Order, Value
+from world import disorder
 from world.handling import fits
 from world.things import BENCH, GONE, Thing
 from world.truth import Truth
@@ -53,6 +54,8 @@ def move(truth: Truth, target: str, args: Args) -> Outcome:
     if thing is None or thing.place == BENCH:
         return f"there is no {target} in a workspace"
     kind, team = truth.kind(thing), thing.place
+    if kind.track == "floor":
+        return disorder.move(truth, thing, args)
     others = [other for other in truth.of(team) if other is not thing and truth.kind(other).layer == kind.layer]
     if kind.track == "line":
         position = args.get("to")
@@ -72,6 +75,19 @@ def move(truth: Truth, target: str, args: Args) -> Outcome:
     truth.floor.put(thing.id, truth.layout.cell(team, x, y))
     truth.floor.brake(thing.id)
     return ""
+
+
+def bring(truth: Truth, target: str, args: Args) -> Outcome:
+    """A person puts something down in a room."""
+    return disorder.bring(truth, target, args)
+
+
+def take(truth: Truth, target: str, args: Args) -> Outcome:
+    """A person takes something out of a room."""
+    thing = named(truth, target)
+    if thing is None or truth.kind(thing).role != "object" or truth.kind(thing).track != "floor":
+        return f"there is no {target} in a room"
+    return disorder.take(truth, thing)
 
 
 def order(truth: Truth, target: str, args: Args) -> Outcome:
@@ -127,6 +143,8 @@ HAPPENS: dict[str, Callable[[Truth, str, Args], Outcome]] = {
     "break": break_robot,
     "set": set_attribute,
     "move": move,
+    "bring": bring,
+    "take": take,
     "order": order,
     "cancel": cancel,
 }

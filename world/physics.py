@@ -29,8 +29,8 @@ IN_ROOMS = {
     "person": pymunk.ShapeFilter(categories=PERSON, mask=ROBOT),
 }
 WALLS, WALL_M = "", 0.001
-TURNING_M, HELD_M = 1.0, 0.05
-"""How hard a heavy thing is to turn: friction at so many metres; less if it is held at both ends."""
+TURNING_M, CARRIED_M = 1.0, 0.05
+"""How hard a heavy thing is to turn: friction at so many metres; less while it is carried at both ends."""
 
 
 class _Body(NamedTuple):
@@ -190,9 +190,9 @@ class Floor:
         """Let itself be pulled."""
         self._pull(name, ROLLING_N)
 
-    def ease(self, name: str, held: bool) -> None:
-        """A heavy thing is held at both ends, or is not any more."""
-        self._turning[name].max_force = self._bodies[name].brake_n * (HELD_M if held else TURNING_M)
+    def ease(self, name: str, carried: bool) -> None:
+        """A heavy thing is carried at both ends, or is not any more."""
+        self._turning[name].max_force = self._bodies[name].brake_n * (CARRIED_M if carried else TURNING_M)
 
     def run_belt(self, belt: str, velocity: Point) -> None:
         self._belt(belt).velocity = velocity

@@ -142,19 +142,11 @@ class Truth:
 
     def grip(self, robot: Thing, thing: Thing, end: int) -> None:
         robot.partner, robot.end = thing.id, end
-        self._join(robot, thing)
-
-    def _join(self, robot: Thing, thing: Thing) -> None:
-        self.floor.couple(robot.id, thing.id, robot.end)
-        if thing.heavy:
-            self.floor.ease(thing.id, len(self.holders(thing)) == 2)
+        self.floor.couple(robot.id, thing.id, end)
 
     def ungrip(self, robot: Thing) -> None:
-        thing = self.things[robot.partner]
-        self.floor.uncouple(robot.id, thing.id)
+        self.floor.uncouple(robot.id, robot.partner)
         robot.partner, robot.end = "", 0
-        if thing.heavy:
-            self.floor.ease(thing.id, False)
 
     def holders(self, thing: Thing) -> list[Thing]:
         """The robots that hold it."""
@@ -218,7 +210,7 @@ class Truth:
         for thing in things:
             partner = self.things.get(thing.partner)
             if partner is not None and thing.end:
-                self._join(thing, partner)
+                self.floor.couple(thing.id, partner.id, thing.end)
             # Both know of the coupling; one whose kind couples made it.
             elif partner is not None and self.kind(thing).couples and not self.floor.coupled(thing.id, partner.id):
                 self.floor.couple(thing.id, partner.id)

@@ -15,7 +15,7 @@ from bus.messages import Value
 from world.physics import Point
 
 FASTEST_MPS = 2.0
-CUT_M = 0.002
+CUT_M = 0.001
 APART_M = 0.01
 """Two robots that carry one thing are a metre apart; their ways may be off by so much."""
 _POINT = re.compile(r"\((-?\d{1,6}),(-?\d{1,6})\)")

@@ -10,6 +10,7 @@ from bus.faults import KINDS
 from bus.messages import Contact, Execute, Impair, Inject, Injected, Order, ProcessFault
 from bus.node import NoAnswer
 from bus.scene import Fault
+from tests.world.house import House, house, pot
 from tests.world.stage import PERIOD_S, Stage, call, hand, piece, scene, tug
 
 
@@ -257,11 +258,14 @@ def test_every_kind_of_the_vocabulary_is_supported() -> None:
     arguments: dict[str, dict[str, Any]] = {
         "move": {"x": 5, "y": 3}, "set": {"attribute": "state", "value": 1}, "order": {"add": 1},
         "cancel": {"objects": 1}, "pause": {"for_s": 1.0}, "drop": {"share": 0.0},
-        "delay": {"share": 0.0, "for_s": 1.0}, "repeat": {"share": 0.0},
+        "delay": {"share": 0.0, "for_s": 1.0}, "repeat": {"share": 0.0}, "bring": {"what": "ball", "x": 3, "y": 3},
     }  # fmt: skip
-    targets = {"robot": "A.h1", "body": "A.h1", "object": "A.1", "team": "A", "process": "A", "link": "A"}
+    targets = {
+        "robot": "A.h1", "body": "A.h1", "object": "A.1", "new": "A.ball", "team": "A", "process": "A", "link": "A"
+    }  # fmt: skip
     for kind, known in KINDS.items():
-        stage = stage_with()
+        in_room = kind in ("bring", "take")
+        stage = House(house(pot("A", "1", 2, 2))) if in_room else stage_with()
         assert stage.inject(kind, targets[known.on], **arguments.get(kind, {})) == Injected(True), kind
         assert [e["kind"] for e in stage.events("fault_injected")] == [kind]
 
