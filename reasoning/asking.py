@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from typing import Literal, NamedTuple
 
 from reasoning.solver import Assumption
 from reasoning.values import Plan, Promises, Question, promised, steps
@@ -49,6 +50,45 @@ def easier(question: Question, core: Collection[Assumption], guests: Mapping[str
                 earliest = since[n - 1]
             takes.append((kind, earliest))
     return question._replace(gives=tuple(sorted(gives)), takes=tuple(sorted(takes)))
+
+
+class Easing(NamedTuple):
+    """One robot of which a question may ask less: it is given later, or taken earlier. A robot that is not taken has
+    the step `within` of its question."""
+
+    way: Literal["gives", "takes"]
+    kind: str
+    step: int
+
+
+def easings(question: Question, guests: Mapping[str, int]) -> list[Easing]:
+    """What a question may ask less of; so many robots of each kind might come."""
+    more = [kind for kind, most in guests.items() if len(steps(question.takes, kind)) < most]
+    takes = [*question.takes, *((kind, question.within) for kind in more)]
+    return [Easing("takes", *take) for take in takes if take[1]] + [Easing("gives", *give) for give in question.gives]
+
+
+def room(question: Question, easing: Easing) -> int:
+    """The steps by which less can be asked at most: a robot is taken at once, or not given."""
+    return easing.step if easing.way == "takes" else max(question.within - easing.step, 0)
+
+
+def eased(question: Question, easing: Easing, by: int, guests: Mapping[str, int]) -> Question | None:
+    """The question that asks less of this robot by so many steps; None: it does not ask for that robot any more."""
+    one = easing.kind, easing.step
+    if easing.way == "gives":
+        if one not in question.gives:
+            return None
+        gives = list(question.gives)
+        gives.remove(one)
+        gives += [(easing.kind, easing.step + by)] * (easing.step + by < question.within)
+        return question._replace(gives=tuple(sorted(gives)))
+    takes = list(question.takes)
+    if one in takes:
+        takes.remove(one)
+    elif easing.step < question.within or len(steps(question.takes, easing.kind)) >= guests[easing.kind]:
+        return None
+    return question._replace(takes=tuple(sorted([*takes, (easing.kind, easing.step - by)])))
 
 
 def later(question: Question, plan: Plan) -> list[Question]:

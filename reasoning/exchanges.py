@@ -12,8 +12,8 @@ it is a shared plan. Else the teams are asked about theirs, and the answers forb
 - whether robots help at all, taken as early as can be, before until when they do;
 - that by halving what is open between a known yes and the profile.
 
-The search first allows each team one exchange (the published special case), which finds a good plan fast; what can be
-said beyond is then asked with that plan at hand.
+The search first allows each team one exchange (the published special case), which finds a good plan fast if there is
+one; what can be said beyond is then asked with that plan at hand.
 """
 
 from __future__ import annotations
@@ -22,11 +22,14 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-from reasoning.horizons import Asking, Horizon, Loan, Shared, Trail, begin, search
+from reasoning.horizons import STRIDE, Asking, Horizon, Loan, Shared, Trail, begin, search
 from reasoning.ledger import Known, Ledger
 from reasoning.loans import Market, Take, choose
 from reasoning.probes import probe, put_off
 from reasoning.values import Question, steps
+
+FEW = 8 * STRIDE
+"""With one exchange a team, no more than so many steps beyond the bound are looked at: it may never suffice."""
 
 
 def advance(
@@ -43,7 +46,8 @@ def advance(
     if needy and not market.bench and not any(sum(ledger.stock.values()) for ledger in teams.values()):
         return Shared("infeasible", proof=f"{', '.join(needy)} can never finish alone, and there is no robot to borrow")
     if trail is None or trail.round == 0:
-        first = search(teams, lambda k: _judge(teams, market, k, 1), longest, trail)
+        few = min(longest, max((ledger.lower_bound for ledger in teams.values()), default=0) + FEW)
+        first = search(teams, lambda k: _judge(teams, market, k, 1), few, trail)
         if isinstance(first, Asking) or first.status == "optimal":
             return first
         trail = begin(teams, first if first.roles else None, 1)

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
-from reasoning.asking import easier, exchanging_one, later, sharing
+from reasoning.asking import eased, easier, easings, exchanging_one, later, room, sharing
 from reasoning.domain import load
 from reasoning.prospects import prospects
 from reasoning.reading import facts, plan_in, read
@@ -26,7 +26,8 @@ Details = Mapping[tuple[int, str], Mapping[str, Value]]
 LONGEST = 400
 """`Planner.shortest` gives up at this makespan."""
 LATER = 500
-"""After a yes to borrowing, so many conflicts at a time are spent on a plan that borrows later."""
+"""After an answer, so many conflicts at a time are spent on one that says more: a plan that borrows later, or an easier
+question that is refuted as well."""
 
 
 class Planner:
@@ -96,11 +97,42 @@ class Planner:
             verdict = "yes" if solved.satisfiable else "no"
         if verdict == "no" and kind == "alone" and not self._problem.guest and within >= self._longest:
             self._hopeless = f"{self._longest} steps were refuted by the solver; {self._longest_text}"
-        easiest = easier(question, solved.core, self._numbers) if kind == "share" and verdict == "no" else None
+        easiest = None
+        if kind == "share" and verdict == "no":
+            left_s = None if seconds is None else seconds - (self._clock() - begun)
+            easiest = easier(question, solved.core, self._numbers)
+            easiest, more = self._ease(easiest, None if conflicts is None else conflicts - used, left_s)
+            used += more
         return Answer(question, verdict, plan, used, self._clock() - begun, easiest)
 
+    def _ease(self, refuted: Question, conflicts: int | None, seconds: float | None) -> tuple[Question, int]:
+        """A question that asks as little as can be and is refuted as well, and what the search for it took."""
+        begun, used = self._clock(), 0
+        for easing in easings(refuted, self._numbers):
+            start, low, high = refuted, 0, room(refuted, easing)
+            by = high  # first of all, whether the robot matters
+            while low < high and (tried := eased(start, easing, by, self._numbers)) is not None:
+                left = LATER if conflicts is None else min(LATER, conflicts - used)
+                left_s = None if seconds is None else seconds - (self._clock() - begun)
+                if left <= 0 or (left_s is not None and left_s <= 0):
+                    return refuted, used
+                solved = self._ask(tried, left, left_s, told=False)
+                used += solved.conflicts
+                if solved.satisfiable is False:
+                    low, refuted = by, easier(tried, solved.core, self._numbers)
+                else:
+                    high = by - 1
+                by = (low + high + 1) // 2
+        return refuted, used
+
     def _ask(
-        self, question: Question, conflicts: int | None, seconds: float | None, *, exactly: bool = False
+        self,
+        question: Question,
+        conflicts: int | None,
+        seconds: float | None,
+        *,
+        exactly: bool = False,
+        told: bool = True,
     ) -> Solved:
         begun = self._clock()
         self._reach(question.within)
@@ -114,7 +146,7 @@ class Planner:
             assumptions += [("gave", (kind, n + 1, question.within), False) for kind, n in numbers.items()]
         assumptions.append(("done", (question.within,), True))
         return self._program.solve(
-            assumptions, conflicts=conflicts, seconds=seconds, beat=self._beat, cancelled=self._cancelled
+            assumptions, conflicts=conflicts, seconds=seconds, beat=self._beat, cancelled=self._cancelled, told=told
         )
 
     def shortest(

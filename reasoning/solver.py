@@ -134,15 +134,17 @@ class Program:
         seconds: float | None = None,
         beat: Callable[[], None] = lambda: None,
         cancelled: Callable[[], bool] = lambda: False,
+        told: bool = True,
     ) -> Solved:
         """One search under assumptions (name, arguments, truth), stopped by its budgets or by `cancelled`, which
-        is asked every `SLICE_S`, as `beat` is called. A budget of seconds is kept to a few hundredths."""
+        is asked every `SLICE_S`, as `beat` is called. A budget of seconds is kept to a few hundredths. Unless it is to
+        be `told`, what a model says is not read, which may take longer than the search."""
         self.control.configuration.solve.solve_limit = f"{conflicts},umax" if conflicts else "umax,umax"  # type: ignore[union-attr]
         symbols = [(clingo.Function(name, [_symbol(a) for a in args]), truth) for name, args, truth in assumptions]
         found: list[Model] = []
 
         def keep(model: clingo.Model) -> bool:
-            found.append(_model(model))
+            found.append(_model(model) if told else Model((), ()))
             return False
 
         left_s = float("inf") if seconds is None else seconds
