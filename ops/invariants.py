@@ -5,6 +5,7 @@
    (or a person changed it), and no object appears or vanishes but by an order.
 3. No command takes effect twice.
 4. Every event that was sent was received and recorded.
+5. In rooms no body is in another, and nobody is pushed (`ops.touching`).
 
 `check` returns a sentence for each violation; none if all hold.
 """
@@ -19,6 +20,7 @@ from bus.keys import WORLD
 from bus.messages import Beat, Envelope, Event, Frame
 from bus.scene import Scene
 from ops.recording import Recording
+from ops.touching import pushed, touching
 from reasoning.words import count
 
 BENCH = "bench"
@@ -31,7 +33,7 @@ def check(recording: Recording) -> list[str]:
     if recording.scene is None:
         return ["the recording has no scene, so that robots and work cannot be checked", *counts(recording)]
     return [*robots(recording, recording.scene), *work(recording, recording.scene), *commands(recording),
-            *counts(recording)]  # fmt: skip
+            *touching(recording, recording.scene), *pushed(recording, recording.scene), *counts(recording)]  # fmt: skip
 
 
 def robots(recording: Recording, scene: Scene) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Domains whose teams act for themselves: planning works from end to end."""
+"""Domains whose scenarios can be planned, but not run: everybody says so, and planning works from end to end."""
 
 from __future__ import annotations
 
@@ -8,14 +8,39 @@ from pathlib import Path
 import pytest
 
 from ops.cli import main
-from reasoning.domain import domains, load
+from ops.places import runnable, shipped
+from reasoning.domain import Domain, domains, load
 
 ALONE = [name for name in domains() if not load(name).data.conducted]
 
 
 @pytest.fixture
-def name() -> str:
+def name(monkeypatch: pytest.MonkeyPatch) -> str:
+    """A scenario of a domain of which the world is taken to know no skills."""
+    monkeypatch.setattr(Domain, "can_run", property(lambda domain: domain.name != ALONE[0]))
     return f"{ALONE[0]}/bedroom"
+
+
+@pytest.mark.parametrize("command", ["run", "compile"])
+def test_what_cannot_be_run_is_refused_with_a_clear_sentence(
+    command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [command, name, *(["-o", str(tmp_path)] if command == "compile" else [])]
+    assert main(words) == 2
+    assert "cannot be run yet: the world does not know its skills" in capsys.readouterr().err
+
+
+def test_validate_and_list_say_so(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["validate", name]) == 0
+    assert "can be planned and checked, but not run yet" in capsys.readouterr().out
+    assert main(["validate", name, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["can_run"] is False
+    assert main(["list"]) == 0
+    before, after = capsys.readouterr().out.split("scenarios that can be planned, but not run yet")
+    assert name in after
+    assert name not in before
+    assert name not in runnable()
+    assert name in shipped()
 
 
 def test_no_plan_and_a_refused_plan_end_with_exit_code_1(name: str, capsys: pytest.CaptureFixture[str]) -> None:
