@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import pytest
 
 from agents import questions, recovery
+from reasoning import exchanges
 
 
 def remembered(function: Callable[..., Any], store: dict[str, Any]) -> Callable[..., Any]:
@@ -31,7 +32,7 @@ class RememberingPlanner:
     Real = questions.Planner
 
     def __init__(self, problem: Any, **_: Any) -> None:
-        self._key = repr((problem.domain, sorted(problem.state.items()), problem.guest))
+        self._key = repr((problem.domain, sorted(problem.state.items()), problem.guest, problem.guests))
         self._real: Any = self.store.get(self._key) or self.Real(problem)
         self.store[self._key] = self._real
 
@@ -51,5 +52,6 @@ class RememberingPlanner:
 def remember_thoughts(monkeypatch: pytest.MonkeyPatch, store: dict[str, Any]) -> None:
     """Have agents think each thought once in a test session."""
     monkeypatch.setattr(questions, "Planner", RememberingPlanner)
-    for module, name in ((questions, "check"), (questions, "predict"), (recovery, "predict"), (recovery, "diagnose")):
+    named = ((questions, "check"), (questions, "predict"), (recovery, "predict"), (recovery, "diagnose"))
+    for module, name in (*named, (exchanges, "choose")):
         monkeypatch.setattr(module, name, remembered(getattr(module, name), store))

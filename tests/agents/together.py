@@ -8,6 +8,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import wraps
+from itertools import permutations
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -137,7 +138,7 @@ class Puppet:
 
 class System:
     """Coordinator, teams, a made-up world and somebody to hear the last word. Events are collected as they are sent.
-    The `puppets` among them are played by the test."""
+    The `puppets` among them are played by the test. With `robots`, by kind, sharing is general."""
 
     def __init__(
         self,
@@ -145,20 +146,24 @@ class System:
         rooms: Mapping[str, State],
         plan: setups.GivenPlan | None = None,
         puppets: tuple[str, ...] = (),
+        robots: Mapping[str, int] | None = None,
     ) -> None:
         self.home, self.run = home, "test"
         self.router = MemoryRouter(seed=1)
         self.now_s = 0.0
         self.events: list[tuple[str, Event]] = []
         self.router.connect().subscribe("muster/test/event/*", self._hear)
-        setup = setups.CoordinatorSetup(tuple(rooms), DELAY, plan)
+        shared = dict(robots or {})
+        delays = tuple((giver, taker, DELAY) for giver, taker in permutations(rooms, 2)) if shared else ()
+        setup = setups.CoordinatorSetup(tuple(rooms), DELAY, plan, delays=delays, robots=shared)
+        static = STATIC | ({"sharing": "general"} if shared else {})
         makers: dict[str, Callable[[Node], Mind]] = {
             "supervisor": Supervisor,
             "world": lambda node: World(node, rooms),
             "coordinator": lambda node: Coordinator(node, setup),
         }
         for name in rooms:
-            made = setups.TeamSetup(DOMAIN, name, STATIC)
+            made = setups.TeamSetup(DOMAIN, name, static, guests=shared)
             makers[name] = lambda node, made=made: Team(node, made, Thinker(node, threaded=False))
         makers |= dict.fromkeys(puppets, Puppet)
         self.processes = {name: Process(self, name, make) for name, make in makers.items()}
