@@ -21,7 +21,7 @@ RESPECT_M = 0.25
 """So far robots keep from people who walk, if they can."""
 SPACING_M = 0.05
 BAR = (0.25, 0.5, 0.75)
-"""Where the bar between the ends of a heavy thing is looked at, too."""
+"""Where what is between the ends of a heavy thing is looked at, while it is carried."""
 
 
 class Disc(NamedTuple):
@@ -34,15 +34,9 @@ class Disc(NamedTuple):
 
 
 def discs(truth: Truth, thing: Thing, patient: bool = False) -> list[Disc]:
-    """A body as it stands or lies."""
-    radius_m = truth.kind(thing).radius_m
-    at = truth.floor.where(thing.id)
-    found = [Disc(thing, at, radius_m, patient)]
-    if thing.heavy:
-        found += [
-            Disc(thing, between(at, truth.floor.end(thing.id, 2), share), radius_m, patient) for share in (*BAR, 1)
-        ]
-    return found
+    """A body as it stands or lies; of a heavy thing that lies, the ends are in the way."""
+    ends = (1, 2) if thing.heavy else (1,)
+    return [Disc(thing, truth.floor.end(thing.id, end), truth.kind(thing).radius_m, patient) for end in ends]
 
 
 def between(a: Point, b: Point, share: float) -> Point:
