@@ -15,8 +15,8 @@ from ops.dashboard.text import Block, beside, ends, fit, joined, line, sized
 SIDE, BELOW, TALL = 44, 36, 7
 """Panels beside the rooms are at least so wide, panels below them so wide and so tall."""
 LEAST_TALL = 4
-TELLING = 1.25
-"""Plans are worth so much smaller a picture than a line for each team."""
+TELLING, LEAST_SCALE = 1.5, 5.0
+"""Plans are worth so much smaller a picture than a line for each team has, if it is not smaller than this."""
 NO_FLOOR = Style(0)
 
 
@@ -62,7 +62,9 @@ def _best(rooms: tuple[Room, ...], width: int, height: int) -> _Way | None:
         ways.append(_way("beside", TELLING, rooms, width - SIDE - 1, height))
     if width // number >= BELOW:
         ways.append(_way("below", TELLING, rooms, width, height - TALL))
-    return max((way for way in ways if way.found.views), key=lambda way: way.worth, default=None)
+    fit = [way for way in ways if way.found.views]
+    telling = [way for way in fit if way.kind == "lines" or way.found.views[0].scale >= LEAST_SCALE]
+    return max(telling, key=lambda way: way.worth, default=None)
 
 
 def _way(kind: str, liking: float, rooms: tuple[Room, ...], columns: int, rows: int) -> _Way:

@@ -37,9 +37,8 @@ def bench(model: Model, width: int) -> Text:
 
 def hallway(model: Model, width: int) -> Block:
     """Who is on the way between two rooms; no line if nobody is."""
-    parts = [
-        joined(robot(model, b), (f" of {b.id.partition('.')[0]}", "")) for b in bodies(model) if b.place == "bench"
-    ]
+    away = [body.id.partition(".") for body in bodies(model) if body.place == "bench"]
+    parts = [joined((name, "bold"), f" of {team}") for team, _, name in away]
     head = joined((f" {words.place(model.scene, 'bench')} ", "dim"))
     return [line(width, head, Text(" · ", style="dim").join(parts), (" under way", "cyan"))] if parts else []
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from math import ceil
+from math import floor
 from typing import Literal, NamedTuple
 
 from ops.dashboard.canvas import ACROSS, DOWN, Point
@@ -73,8 +73,8 @@ Way = Callable[[tuple[Room, ...], float, int], tuple[View, ...]]
 
 
 def _size(room: Room, scale: float) -> tuple[int, int]:
-    """Columns and rows of a room with its walls."""
-    return 1 + ceil((room.width_m * scale + 1) / ACROSS), 1 + ceil((room.height_m * scale + 1) / DOWN)
+    """Columns and rows of a room with its walls: the first of both, and up to those of the wall's dot beyond it."""
+    return 2 + floor(room.width_m * scale) // ACROSS, 2 + floor(room.height_m * scale) // DOWN
 
 
 def extent(views: tuple[View, ...]) -> tuple[int, int]:
