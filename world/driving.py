@@ -34,6 +34,8 @@ SETTLED_M = 0.005
 """Who is that near to where it was to go has got there: a mechanical stop does the rest."""
 CLAIM_M, CLAIMED_M = 1.0, 0.1
 """So much of a way that is driven, in such pieces, is kept free by those who set out later."""
+NEARBY_M = 2.0
+"""Who is farther away than so much, besides, need not think of that."""
 CORRECTION_HZ = 10.0
 
 Outcome = Literal["", "there", "blocked", "too_heavy", "stopped"]
@@ -191,10 +193,9 @@ class Driver:
         thing_m = self._truth.kind(held).radius_m if held is not None else 0.0
         ahead = []
         for k in range(1, ceil(lookout.reach_m(stop_m, patient=True) / lookout.SPACING_M) + 1):
-            ahead.append(
-                (k * lookout.SPACING_M, [*lookout.parts(way.at(metres + k * lookout.SPACING_M), robot_m, thing_m)])
-            )
-            if metres + k * lookout.SPACING_M >= way.metres:
+            far_m = k * lookout.SPACING_M
+            ahead.append((far_m, [*lookout.parts(way.at(metres + far_m), robot_m, thing_m)]))
+            if metres + far_m >= way.metres:
                 break
         now = [*lookout.parts(way.at(metres), robot_m, thing_m)]
         others = [*self._others(trip, way), *self._claims(trip, now)]
@@ -225,6 +226,8 @@ class Driver:
             way, metres = self._ways[id(other)], self._driven(other)
             robot = self._truth.things[other.robots[0]]
             radius_m = self._truth.kind(robot).radius_m
+            if dist(now[0][0], way.at(metres)[0]) > CLAIM_M + NEARBY_M:
+                continue
             claims = [
                 Disc(robot, at, radius_m, patient=True)
                 for k in range(round(CLAIM_M / CLAIMED_M))

@@ -69,11 +69,15 @@ def in_the_way(
     for other in others:
         extra_m = RESPECT_M if other.thing.id in walking else 0.0
         reach = reach_m(stop_m, patient=other.patient)
+        # Nobody gets nearer by more than it drives: most are too far away to be looked at twice.
+        far_m = [dist(was, other.at) for was, _ in now]
+        limits_m = [radius_m + other.radius_m + extra_m for _, radius_m in now]
+        if all(far - reach > limit for far, limit in zip(far_m, limits_m, strict=True)):
+            continue
         for metres, places in ahead:
             if metres > reach:
                 break
-            for (was, radius_m), (at, _) in zip(now, places, strict=True):
-                near_m = dist(at, other.at)
-                if near_m < radius_m + other.radius_m + extra_m and near_m < dist(was, other.at) - 1e-6:
+            for (at, _), far, limit in zip(places, far_m, limits_m, strict=True):
+                if dist(at, other.at) < min(limit, far - 1e-6):
                     return other
     return None
