@@ -99,7 +99,8 @@ class Acting:
         mind.show("planning")
         helped = now.alone or now.help.phase == "here"
 
-        def think(_: object) -> Thought:
+        def think() -> Thought:
+            mind.thinking.never = now.never
             if now.help.phase in ("coming", "underway") and not (now.need is not None and now.need.strong):
                 doors = mind.words.doors(mind.static, now.state)[now.help.partner_room]
                 arrival = mind.words.now(now.state) + now.help.arrival_units
@@ -108,7 +109,7 @@ class Acting:
                 return Thought(course, need, now.aside, now.late, "feasible", "with a robot that is on its way")
             return mind.thinking.consider(now.state, now.aside, helped=helped, late=now.late)
 
-        mind.thinker.start(think, self._thought)
+        mind.think(think, self._thought)
 
     def _thought(self, thought: Thought) -> None:
         self._thinking = False
@@ -154,9 +155,10 @@ class Acting:
             return
         units = words.now(course.states[now.at + 1]) - words.now(course.states[now.at])
         try:
-            calls = mind.ways.calls(now.state, actions, course.details.get(now.at, {}), units)
+            details = course.details.get(now.at, {})
+            calls = mind.patiently(lambda: mind.ways.calls(now.state, actions, details, units))
         except NoWay as error:
-            self._replan(str(error))
+            self._bar(error)
             return
         self.execute("plan", actions, calls, course.states[now.at + 1])
 
@@ -203,6 +205,8 @@ class Acting:
         """Robots that stopped go on from where they stand, by other ways: to the next state of the plan."""
         mind, now = self.mind, self.mind.memory
         try:
+            if now.waited >= recovering.HELD_UP_TIMES and not mind.words.persons(now.state):
+                raise NoWay(*min(now.stopped.items()))
             calls = tuple(
                 mind.ways.driving(now.state, robot, now.stopped, recovering.people(mind.words, now.state))
                 for robot in sorted(now.stopped)
@@ -213,7 +217,7 @@ class Acting:
                 self._wait(1)
                 self.go_on()
             else:
-                self._replan(str(error))
+                self._bar(error)
             return
         for robot in sorted(now.stopped):
             x, y = now.stopped[robot]
@@ -229,6 +233,16 @@ class Acting:
             x, y = goals[robot]
             mind.emit("safe_state", f"has {robot} go to ({x},{y}), where it is safe", robot=robot, step=now.step)
         self.execute("safe", tuple(recovering.term(c) for c in calls), calls)
+
+    def _bar(self, error: NoWay) -> None:
+        """A way of the plan is impossible: plan without it. After too many of them, leave what is left to do."""
+        mind, now = self.mind, self.mind.memory
+        at = mind.words.cell(now.state, error.robot) or error.goal
+        barred = f"({error.robot},{recovering.written(at)},{recovering.written(error.goal)})"
+        left = mind.words.things(now.state) if len(now.never) >= recovering.MOST_BARRED else []
+        why = {thing: str(error) for thing in left}
+        mind.keep(never=(*now.never, barred), aside={**why, **now.aside})
+        self._replan(str(error))
 
     def _replan(self, why: str) -> None:
         self.mind.emit("plan_dropped", f"plans anew: {why}", step=self.mind.memory.step, reason=why)
@@ -260,8 +274,10 @@ class Acting:
 
     def _nobody_ever(self) -> bool:
         """Was help asked for, and will no answer ever be another one?"""
-        help_ = self.mind.memory.help
-        return help_.kind == "want" and not any(answer.later for answer in help_.answers.values())
+        now = self.mind.memory
+        if now.peers is None or set(now.known) - set(now.peers):
+            return False  # somebody is out of contact, and may come back
+        return now.help.kind == "want" and not any(answer.later for answer in now.help.answers.values())
 
     # ------------------------------------------------------------ rest
     def _rest(self) -> None:

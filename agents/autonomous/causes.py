@@ -74,7 +74,7 @@ def _of(
     was, now, then = (words.held(state, robot) for state in (before, believed, predicted))
     match felt.get(robot):
         case "too_heavy":
-            return Cause("heavy_object", (was or now or ("", 0))[0], robot)
+            return Cause("heavy_object", (was or now or then or ("", 0))[0], robot)
         case "nothing_there":
             return Cause("object_not_found", (then or ("", 0))[0], robot)
         case "blocked":

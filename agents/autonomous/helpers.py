@@ -74,10 +74,10 @@ class Helpers:
         mind = self.mind
         now = mind.memory
 
-        def think(_: object) -> Willing:
+        def think() -> Willing:
             return willing(mind.words, mind.static, mind.thinking, now, body, mind.delay)
 
-        mind.thinker.start(think, partial(self._decide, envelope, body))
+        mind.think(think, partial(self._decide, envelope, body))
 
     def _decide(self, envelope: Envelope, body: m.HelpCall, found: Willing) -> None:
         mind = self.mind
@@ -129,7 +129,8 @@ class Helpers:
         help_ = mind.memory.help
         for name in sorted({*help_.asked, help_.partner} - {"", *peers}):
             help_ = helping.lost(mind.team, help_, name)
-        mind.keep(peers=peers, told=number, help=help_)
+        known = tuple(sorted({*mind.memory.known, *peers}))
+        mind.keep(peers=peers, known=known, told=number, help=help_)
         self.tell()
 
     # ------------------------------------------------------------ what is replied

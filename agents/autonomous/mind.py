@@ -4,7 +4,8 @@ which reply."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
 
 from msgspec.structs import replace
 
@@ -23,6 +24,8 @@ from reasoning import geometry
 from reasoning.solver import parse
 
 WORLD, COORDINATOR = "world", "coordinator"
+BEAT_S = 0.3
+T = TypeVar("T")
 
 
 class Mind:
@@ -37,9 +40,28 @@ class Mind:
         self.memory = memory.load(node.journal)
         self.unit_s = self.domain.data.time["period_s"]
         self.delay = int(self.static.get("delay", 0))
-        self.thinking = Thinking(self.domain, self.team, self.words, self.static, thinker.beat)
+        self.thinking = Thinking(self.domain, self.team, self.words, self.static)
+        self._pool = ThreadPoolExecutor(1)
         self._ways: Ways | None = None
         self._waiting: dict[str, Callable[[Envelope], None]] = {}
+
+    # ------------------------------------------------------------ thinking
+    def think(self, work: Callable[[], T], then: Callable[[T], None]) -> None:
+        """Have `work` done and call `then` with its result; meanwhile the team shows that it lives."""
+        if self.node.mode == "realtime":
+            self.thinker.start(lambda _: work(), then)
+        else:
+            then(self.patiently(work))
+
+    def patiently(self, work: Callable[[], T]) -> T:
+        """The result of work that may take seconds. Time stands still for it, so nobody must take it for death: the
+        work is done by a thread of its own, and this one gives signs of life."""
+        future = self._pool.submit(work)
+        while True:
+            try:
+                return future.result(BEAT_S)
+            except TimeoutError:
+                self.node.beat("thinking")
 
     # ------------------------------------------------------------ memory
     def keep(self, **changed: Any) -> None:

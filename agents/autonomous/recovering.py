@@ -5,7 +5,7 @@
 | unknown_object   | another way to the plan's next state, from where the robot stands; if there is none, to a safe |
 |                  | cell, and plan with the object known                                                           |
 | person_in_way    | wait a unit, then another way                                                                  |
-| held_up          | another way                                                                                    |
+| held_up          | wait a unit, then another way; after some such, plan anew without that way                     |
 | object_not_found | look, plan anew                                                                                |
 | heavy_object     | plan anew: with both robots of the room, or the heavy object last and with help                |
 | robot_broken     | plan anew without the robot                                                                    |
@@ -41,6 +41,10 @@ DOING = {
 }
 PATIENCE_UNITS = 40
 """So long is waited for a person who stands in the way."""
+HELD_UP_TIMES = 4
+"""So often another way is tried where nothing is known to be in the way."""
+MOST_BARRED = 12
+"""After so many ways that turned out impossible, what is left to do is left."""
 PERSON_M = 0.35
 """How far ways keep off the middle of the cell in which a person stands, besides the robot's radius."""
 STOPS = ("unknown_object", "person_in_way", "held_up")
@@ -87,11 +91,11 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
 
 
 def _stop(mind: Mind, stopped: dict[str, Cell], found: list[Cause]) -> None:
-    """Robots that stopped go on in the next step; where a person was in the way, after a while."""
-    person = any(cause.name == "person_in_way" for cause in found)
-    waited = mind.memory.waited + 1 if person else mind.memory.waited if stopped else 0
+    """Robots that stopped go on in the next step; where a person or another robot was in the way, after a while."""
+    wait = any(cause.name in ("person_in_way", "held_up") for cause in found)
+    waited = mind.memory.waited + 1 if wait else mind.memory.waited if stopped else 0
     mind.keep(stopped=stopped, waited=waited)
-    if person:
+    if wait:
         until_s = mind.node.now_s + mind.unit_s
         mind.emit("waited", "waits for a unit of time", step=mind.memory.step)
         mind.keep(until_s=until_s, looked=False)

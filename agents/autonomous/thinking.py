@@ -5,7 +5,7 @@ Pure: from what a team believes to a `Thought`. Every plan is checked by the ind
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import msgspec
 
@@ -65,13 +65,13 @@ class Thought(msgspec.Struct, frozen=True):
 
 
 class Thinking:
-    """The planner of one team; `beat` is called several times a second."""
+    """The planner of one team."""
 
-    def __init__(
-        self, domain: Domain, team: str, words: Words, static: Mapping[str, Value], beat: Callable[[], None]
-    ) -> None:
-        self._domain, self._team, self._words, self._beat = domain, team, words, beat
+    def __init__(self, domain: Domain, team: str, words: Words, static: Mapping[str, Value]) -> None:
+        self._domain, self._team, self._words = domain, team, words
         self._static = dict(static)
+        self.never: tuple[str, ...] = ()
+        """Ways (robot, from, to) that were found impossible."""
         self._delay = int(static.get("delay", 0))
 
     def consider(self, state: State, aside: Mapping[str, str], *, helped: bool, late: bool) -> Thought:
@@ -195,27 +195,25 @@ class Thinking:
         return [n for n, bound in bounds.items() if n not in left and bound]
 
     def _bound(self, now: State, left: Mapping[str, str]) -> bool:
-        self._beat()
         found = prospects(self._problem(self._loose(now), now, left))
         return bool(found.hopeless) or found.bound > 0
 
     def _hopeless(self, static: dict[str, Value], now: State, left: Mapping[str, str]) -> str:
-        self._beat()
         return prospects(self._problem(static, now, left)).hopeless
 
     # ------------------------------------------------------------ searching
     def _problem(self, static: Mapping[str, Value], now: State, left: Mapping[str, str]) -> Problem:
         here = self._words.here(now)
         asides = {f"leave({here},{number})": thing for number, thing in enumerate(sorted(left))}
-        return Problem(self._domain.name, {**static, **asides}, now)
+        barred = {f"never({here},{number})": way for number, way in enumerate(self.never, 1000)}
+        return Problem(self._domain.name, {**static, **asides, **barred}, now)
 
     def _attempt(
         self, static: Mapping[str, Value], now: State, left: Mapping[str, str], least: int = 0
     ) -> tuple[Plan, str] | None:
         """A plan of the fewest steps, `least` at least, and of these one that costs least, with the proof in words."""
         problem = self._problem(static, now, left)
-        planner = Planner(problem, beat=self._beat)
-        self._beat()
+        planner = Planner(problem)
         if planner.hopeless():
             return None
         bound, left_over = max(planner.lower_bound(), least), CONFLICTS
@@ -223,7 +221,7 @@ class Thinking:
             answer = planner.answer(Question("alone", within), conflicts=left_over)
             left_over -= answer.conflicts
             if answer.plan is not None:
-                plan, why = cheapest(problem, answer.plan, within, beat=self._beat) if within else (answer.plan, "")
+                plan, why = cheapest(problem, answer.plan, within) if within else (answer.plan, "")
                 said = f"{within} steps; no fewer are possible" if not least else f"{within} steps"
                 return (plan, "; ".join(filter(None, [said, why]))) if not self._wrong(problem, plan) else None
             if answer.verdict == "unknown" or planner.hopeless() or left_over <= 0:
@@ -232,7 +230,6 @@ class Thinking:
 
     def _wrong(self, problem: Problem, plan: Plan) -> bool:
         """Does the independent checker refuse it?"""
-        self._beat()
         states, steps = {self._team: problem.state}, {self._team: plan.steps}
         return bool(check(self._domain, problem.static, states, steps, details={self._team: plan.details}))
 

@@ -17,14 +17,16 @@ from reasoning.motion.rigid import Pose, at_share, between, carried, placed, tur
 from reasoning.solver import parse
 from reasoning.values import State
 
-UNDER_M = 0.3
-"""What lies so near to where a robot stands is in its cell, and in nobody's way."""
 TURN_RAD = math.radians(15)
 """Turns are told in pieces of so much."""
 
 
 class NoWay(Exception):  # noqa: N818 - it reads as what happened
-    """A robot has no way to where it is to go; the text says which."""
+    """A robot has no way to where it is to go."""
+
+    def __init__(self, robot: str, goal: Cell) -> None:
+        super().__init__(f"{robot} has no way to ({goal[0]},{goal[1]})")
+        self.robot, self.goal = robot, goal
 
 
 class Ways:
@@ -59,22 +61,39 @@ class Ways:
         words, held = self._words, self._words.held(state, robot)
         start, goal = words.point(state, robot), middle(goals[robot])
         moved = {end[0] for other in goals if (end := words.held(state, other)) is not None}
-        cells = {end for thing in words.things(state) if thing not in moved for end in words.ends(state, thing)}
         partner = words.holders(state, held[0]).get(3 - held[1]) if held is not None else None
         if held is not None and partner is not None and partner in goals:
             ends = [(words.point(state, each), middle(goals[each])) for each in (robot, partner)]
             first, second = ends if held[1] == 1 else reversed(ends)
-            near = {point for pair in ends for point in pair}
-            poses = self._carried(first, second, {c for c in cells if middle(c) not in near}, robot)
+            lying = self._lying(state, moved, [ends[0][0], ends[1][0]], [])
+            poses = self._carried(first, second, lying)
+            if poses is None:
+                raise NoWay(robot, goals[robot])
             offset = (math.dist(first[0], second[0]) / 2) * (-1 if held[1] == 1 else 1)
             return tuple(placed((offset, 0.0), pose) for pose in poses)
-        lying = (self._room.thing(c) for c in sorted(cells))
-        near_by = [disc for disc in lying if disc[:2] != goal and math.dist(disc[:2], start) > UNDER_M]
-        layout = self._room.layout.with_discs([*near_by, *discs])
+        lying = self._lying(state, moved, [start], [] if held is not None else [goals[robot]])
+        layout = self._room.layout.with_discs([*lying, *discs])
         found = self._oracle.shortest(layout, self._room.robot_m, start, goal)
         if found is None:
-            raise NoWay(f"{robot} has no way to ({goals[robot][0]},{goals[robot][1]})")
+            raise NoWay(robot, goals[robot])
         return found.points
+
+    def _lying(
+        self, state: State, moved: Collection[str], starts: Sequence[Point], goals: Sequence[Cell]
+    ) -> list[Disc]:
+        """What is in the way: all that lies about, but for what is under a robot at its start, or at its goal."""
+        found = []
+        for thing in self._words.things(state):
+            ends = self._words.ends(state, thing)
+            discs = [self._room.thing(end) for end in ends]
+            if len(ends) == 2:  # what is between the ends is in the way, too
+                (ax, ay, radius_m), (bx, by, _) = discs
+                discs += [(ax + (bx - ax) * k / 4, ay + (by - ay) * k / 4, radius_m) for k in (1, 2, 3)]
+            near = self._room.robot_m + self._room.thing_m
+            under = any(math.dist(disc[:2], start) < near for disc in discs for start in starts)
+            if thing not in moved and not under and not set(ends) & set(goals):
+                found += discs
+        return found
 
     def driving(self, state: State, robot: str, goals: Mapping[str, Cell], discs: Iterable[Disc]) -> SkillCall:
         """A call that takes a robot from where it stands to its goal, with care. `discs` are obstacles besides what
@@ -98,15 +117,13 @@ class Ways:
         return near[0]
 
     def _carried(
-        self, first: tuple[Point, Point], second: tuple[Point, Point], cells: set[Cell], robot: str
-    ) -> list[Pose]:
-        """The poses of what two robots carry, the first at its end 1."""
+        self, first: tuple[Point, Point], second: tuple[Point, Point], lying: Sequence[Disc]
+    ) -> list[Pose] | None:
+        """The poses of what two robots carry, the first at its end 1; None if there is no way."""
         body = carried(math.dist(first[0], second[0]), self._room.robot_m, self._room.thing_m)
-        layout = self._room.layout.with_discs(self._room.thing(c) for c in sorted(cells))
+        layout = self._room.layout.with_discs(lying)
         answer = self._payload.path(layout, body, between(first[0], second[0]), between(first[1], second[1]))
-        if answer.verdict != "yes":
-            raise NoWay(f"{robot} has no way with what it carries")
-        return _in_chords(answer.path)
+        return _in_chords(answer.path) if answer.verdict == "yes" else None
 
     def _units(self, way: Sequence[Point], planned: int) -> int:
         """The units for a way that was planned to take `planned`. One that has become longer is gone with care."""
