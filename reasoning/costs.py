@@ -33,7 +33,6 @@ def cheapest(
     within: int,
     *,
     seconds: Callable[[], float | None] = lambda: None,
-    beat: Callable[[], None] = lambda: None,
     cancelled: Callable[[], bool] = lambda: False,
     clock: Callable[[], float] = lambda: 0.0,
 ) -> tuple[Plan, str]:
@@ -41,14 +40,13 @@ def cheapest(
 
     The cost is lowered until the solver refutes the next lower one. `seconds` tells what is left of the budget; when it
     is spent the best plan so far is the result, and the proof says so. Without a cost, `plan` itself is the result.
-    `beat` is called several times a second.
     """
     fluent = cost(problem)
     if not fluent:
         return plan, ""
     while True:
         spent = int(plan.states[-1][fluent])
-        planner = Planner(bounded(problem, fluent, spent - 1), beat=beat, cancelled=cancelled, clock=clock)
+        planner = Planner(bounded(problem, fluent, spent - 1), cancelled=cancelled, clock=clock)
         answer = planner.answer(Question("alone", within), seconds=seconds())
         if answer.plan is None:
             break
