@@ -9,6 +9,7 @@ python=$root/.venv/bin/python
 screen="tmux -L muster-captures-$$"
 record=$(mktemp -d)
 trap '$screen kill-server 2>/dev/null || true; rm -rf "$record"' EXIT
+trap 'exit 1' INT TERM
 
 shot() { # NAME WIDTH HEIGHT
   $screen resize-window -t shot -x "$2" -y "$3"
@@ -50,4 +51,5 @@ if [ $# -gt 0 ]; then
   take "$@"
 else
   take factory/broken_carrier thinking "gap [1-9]" dashboard "explains it by"
+  take housekeeping/three_rooms hallway "under way" house "»r1=pan"
 fi
