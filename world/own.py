@@ -130,7 +130,7 @@ class Own:
         self._try(window.tasks)
         following.set_out(self._truth, self._driver, window.tasks)
         self._tell_begun(team, window)
-        office.node.status(Status("world", f"{len(self._windows)} steps under way", step=self._truth.step))
+        office.node.status(Status("world", f"at work for {', '.join(sorted(self._windows))}", step=self._truth.step))
 
     def _resume(self, saved: Saved) -> None:
         """What takes a period begins again, drives go on."""

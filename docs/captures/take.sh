@@ -51,5 +51,5 @@ if [ $# -gt 0 ]; then
   take "$@"
 else
   take factory/broken_carrier thinking "gap [1-9]" dashboard "explains it by"
-  take housekeeping/three_rooms hallway "under way" house "»r1=pan"
+  take housekeeping/three_rooms hallway "r1 of bedroom under way" house "»r1=pan"
 fi
