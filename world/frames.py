@@ -93,6 +93,6 @@ def membership(truth: Truth, step: int) -> dict[str, object]:
         kind = truth.kind(thing)
         if kind.role == "robot":
             robots[thing.id] = [thing.place, thing.name]
-        elif thing.place in truth.layout.spaces:
+        elif kind.role == "object" and thing.place in truth.layout.spaces:
             objects[thing.id] = {kind.place: where(truth, thing), **thing.attributes}
     return {"step": step, "robots": robots, "objects": objects}

@@ -205,7 +205,8 @@ def test_a_door_where_somebody_stands_is_blocked() -> None:
 
 # ---------------------------------------------------------------- people who bring, take and move
 def test_people_bring_take_and_move_what_is_in_a_room() -> None:
-    stage = House(house(cart("A", "r1", 2, 2), pot("A", "cup", 2, 2), rooms=(room("A", BED),)))
+    bodies = cart("A", "r1", 2, 2), pot("A", "cup", 2, 2), human("A", "anna", 7, 0)
+    stage = House(house(*bodies, rooms=(room("A", BED),)))
     stage.act("A", do("take", "r1"))
     assert stage.inject("move", "A.cup", x=6, y=6).accepted
     assert (stage.state()["holds(r1)"], stage.state()["at(cup)"]) == ("none", "(6,6)")
@@ -215,7 +216,7 @@ def test_people_bring_take_and_move_what_is_in_a_room() -> None:
     assert "at(cup)" not in stage.state()
     assert stage.events("membership")[-1]["objects"].keys() == {"A.cup"}
     stage.act("A")
-    assert stage.events("membership")[-1]["objects"].keys() == {"A.ball"}
+    assert stage.events("membership")[-1]["objects"].keys() == {"A.ball"}  # people are no objects
 
 
 @pytest.mark.parametrize(
