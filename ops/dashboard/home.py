@@ -87,7 +87,7 @@ def team_line(model: Model, name: str, width: int) -> Text:
         return line(width, " ", (mark, tone), " ", (f"{name[:12]:<12}", "bold"), " ", (state, tone))
     trouble = "bold red" if name in model.trouble else "green" if status.finished else "bold"
     doing = (state, tone) if state else (status.doing or "finished" * status.finished, "")
-    time = fit(clock(model, status, 6), 14)
+    time = fit(clock(model, name, status, 6), 14)
     left = joined(" ", (mark, tone), " ", (f"{name[:12]:<12}", trouble), " ", time, doing, "  ",
                   (at_work(status), "bold"))  # fmt: skip
     return ends(width, left, joined("  ", (f"» {status.helping} ", "cyan")) if status.helping else joined(""))

@@ -54,7 +54,8 @@ class Pulse:
 class Model:
     """`contact`: names whose process is not just present. `suspects`: (team, robot) to ``suspected`` or
     ``broken`` as the team believes; `doubts`: what may be broken, by each explanation that a team has left.
-    `trouble`: teams off their plan. `numbers`: incarnation and number of each status. `clock_s`: the watcher's clock.
+    `trouble`: teams off their plan. `done`: when teams were done, until they plan again.
+    `numbers`: incarnation and number of each status. `clock_s`: the watcher's clock.
     """
 
     run: str = ""
@@ -72,6 +73,7 @@ class Model:
     suspects: Mapping[tuple[str, str], str] = field(default_factory=dict)
     doubts: Mapping[str, tuple[frozenset[str], ...]] = field(default_factory=dict)
     trouble: frozenset[str] = frozenset()
+    done: Mapping[str, float] = field(default_factory=dict)
     over: Mapping[str, object] | None = None
     verdict: tuple[str, ...] = ()
 
@@ -166,7 +168,10 @@ def _effects(model: Model, kind: str, data: Mapping[str, object], source: str) -
         case "plan_adopted", _:
             # Whoever plans again has settled what was the matter: what is left are the robots known to be broken.
             settled = {k: v for k, v in model.suspects.items() if k[0] != team or v == "broken"}
-            return replace(model, trouble=model.trouble - {team}, suspects=settled)
+            done = {name: at_s for name, at_s in model.done.items() if name != team}
+            return replace(model, trouble=model.trouble - {team}, suspects=settled, done=done)
+        case "team_finished", _:
+            return replace(model, done={team: model.now_s, **model.done})
         case "diagnosis", {"causes": list(causes)}:
             alternatives = tuple(
                 frozenset(robot for cause in one for robot in re.findall(r"^broken\((\w+)", str(cause)))

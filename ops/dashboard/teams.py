@@ -47,7 +47,7 @@ def team(model: Model, name: str, ground: Floor | None, width: int, height: int,
     status = model.statuses.get(name)
     title, right, style = _team_head(model, name, status, ground, width)
     inner, rows = width - 2, height - 1
-    facts = told(model, status, inner)[:rows]
+    facts = told(model, name, status, inner)[:rows]
     rows -= len(facts)
     drawing = draw(model, ground, look.cell, look.ruled) if ground and look.cell else []
     broad = max((text.cell_len for text in drawing), default=0)
@@ -79,32 +79,33 @@ def _team_head(
     return title, right, tone if state and tone != "dim" else style
 
 
-def told(model: Model, status: Status | None, width: int) -> Block:
+def told(model: Model, name: str, status: Status | None, width: int) -> Block:
     """A line for the time, if the team counts it, and one for the help that is under way, if there is any."""
     if status is None:
         return []
     out: Block = []
     if status.elapsed >= 0:
-        late = " deadline missed" if 0 < status.deadline < elapsed(model, status) else ""
+        late = " deadline missed" if 0 < status.deadline < elapsed(model, name, status) else ""
         bar = max(min(width - 17 - len(late), 40), 4)
-        out.append(line(width, " time  ", clock(model, status, bar), (late, "bold red")))
+        out.append(line(width, " time  ", clock(model, name, status, bar), (late, "bold red")))
     if status.helping:
         out.append(line(width, (" help  ", ""), (f"» {status.helping}", "cyan")))
     return out
 
 
-def elapsed(model: Model, status: Status) -> int:
-    """Units of time since the run began, until the team is finished: it counts when it looks, and time goes on."""
-    if status.finished or model.scene is None:
+def elapsed(model: Model, name: str, status: Status) -> int:
+    """Units of time that the team has taken for its own work: it counts when it looks, and time goes on."""
+    if model.scene is None or (status.finished and name not in model.done):
         return status.elapsed
-    return max(status.elapsed, ceil(model.now_s / model.scene.period_s - 1e-9))
+    units = ceil(model.done.get(name, model.now_s) / model.scene.period_s - 1e-9)
+    return units if name in model.done else max(status.elapsed, units)
 
 
-def clock(model: Model, status: Status, bar: int) -> Text:
+def clock(model: Model, name: str, status: Status, bar: int) -> Text:
     """``14/25 ━━━━────`` units of time of the deadline, or ``14 units``; nothing if the team does not count."""
     if status.elapsed < 0:
         return joined("")
-    units = elapsed(model, status)
+    units = elapsed(model, name, status)
     if not status.deadline:
         return joined(f"{units:>2} units")
     share = min(units / status.deadline, 1.0)

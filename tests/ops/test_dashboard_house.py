@@ -114,6 +114,18 @@ def test_time_goes_on_while_a_team_thinks_and_stands_when_it_is_finished() -> No
     assert " 7 units" in text
 
 
+def test_who_was_done_in_time_stays_so_while_its_robot_helps() -> None:
+    done = folded([said("T2", Event("team_finished", {"team": "T2"}), at_s=70.0)], made_up())
+    later = update(done, said("world", Frame(90.0, 9, ()), at_s=90.0))
+    again = update(later, said("T2", Event("team_finished", {"team": "T2"}), at_s=91.0))
+    for model in (later, again):
+        text = "\n".join(picture(model, 160, 50))
+        assert "24/25 ━" in text
+        assert text.count("deadline missed") == 1  # T1's
+    busy = update(later, said("T2", Event("plan_adopted", {"team": "T2"}), at_s=92.0))
+    assert "\n".join(picture(busy, 160, 50)).count("deadline missed") == 2
+
+
 def test_who_is_between_two_rooms_is_told() -> None:
     away = said("world", Frame(1.0, 1, (BodyFrame("T1.r1", "r1", "robot", "bench", 0.0, 0.0),)))
     assert any(line.startswith(" hallway r1 of T1 under way") for line in picture(update(made_up(), away), 80, 24))
