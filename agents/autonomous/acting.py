@@ -7,18 +7,17 @@ What comes next follows from the memory alone, so a team that was killed goes on
 from __future__ import annotations
 
 from agents.autonomous import helping, recovering
+from agents.autonomous.asking import Asking
+from agents.autonomous.detours import Detours
 from agents.autonomous.escort import Escort
 from agents.autonomous.helpers import Helpers
 from agents.autonomous.memory import Begun, Purpose
 from agents.autonomous.mind import COORDINATOR, WORLD, Mind
-from agents.autonomous.thinking import DOOR_UNITS, GUEST, Need, Thought
+from agents.autonomous.thinking import GUEST, Need, Thought
 from agents.autonomous.ways import NoWay
 from bus import messages as m
 from bus.messages import Envelope
 from reasoning.values import Value
-
-AGAIN_UNITS = 3
-"""After so many units help that was refused is asked for again."""
 
 
 class Acting:
@@ -28,6 +27,8 @@ class Acting:
         self.mind = mind
         self.helpers = Helpers(mind, self.go_on)
         self.escort = Escort(mind, self.helpers, self.execute)
+        self.detours = Detours(mind, self.execute, self.go_on)
+        self.asking = Asking(mind, self.helpers, self.go_on)
         self._looking = self._thinking = False
 
     def resume(self) -> None:
@@ -50,15 +51,15 @@ class Acting:
         elif not now.looked:
             self._look()
         elif now.stopped:
-            self._drive_on()
+            self.detours.drive_on()
         elif now.course is None and any(mind.words.between_cells(now.state, r) for r in mind.words.robots(now.state)):
-            self._to_safety()
+            self.detours.to_safety()
         elif self.escort.duty():
             pass
         elif now.left:
             self._step()
         elif now.need is not None and now.course is not None:
-            self._ask()
+            self.asking.ask()
         elif now.course is not None and not now.resting:
             mind.emit("final_look", "has nothing more to do, and looks at the whole room again", step=now.step)
             mind.keep(course=None, looked=False)
@@ -70,12 +71,6 @@ class Acting:
         else:
             mind.keep(reported=now.reported and self.finished)
             mind.show("at rest")
-
-    def _wait(self, units: int) -> None:
-        """Do nothing for so many units of time, then look."""
-        until_s = self.mind.node.now_s + units * self.mind.unit_s
-        self.mind.keep(until_s=until_s, looked=False)
-        self.mind.node.wake_at(until_s)
 
     # ------------------------------------------------------------ looking and thinking
     def _look(self) -> None:
@@ -151,14 +146,14 @@ class Acting:
             elif now.help.phase == "coming":
                 mind.show(f"waiting for the robot of {now.help.partner}")
             else:
-                self._replan("nobody comes to help")
+                self.detours.replan("nobody comes to help")
             return
         units = words.now(course.states[now.at + 1]) - words.now(course.states[now.at])
         try:
             details = course.details.get(now.at, {})
             calls = mind.patiently(lambda: mind.ways.calls(now.state, actions, details, units))
         except NoWay as error:
-            self._bar(error)
+            self.detours.bar(error)
             return
         self.execute("plan", actions, calls, course.states[now.at + 1])
 
@@ -199,85 +194,6 @@ class Acting:
                 self.escort.executed(begun)
         self.helpers.tell()
         self.go_on()
-
-    # ------------------------------------------------------------ recovery
-    def _drive_on(self) -> None:
-        """Robots that stopped go on from where they stand, by other ways: to the next state of the plan."""
-        mind, now = self.mind, self.mind.memory
-        try:
-            if now.waited >= recovering.HELD_UP_TIMES and not mind.words.persons(now.state):
-                raise NoWay(*min(now.stopped.items()))
-            calls = tuple(
-                mind.ways.driving(now.state, robot, now.stopped, recovering.people(mind.words, now.state))
-                for robot in sorted(now.stopped)
-            )
-        except NoWay as error:
-            if mind.words.persons(now.state) and now.waited < recovering.PATIENCE_UNITS:
-                mind.keep(waited=now.waited + 1)
-                self._wait(1)
-                self.go_on()
-            else:
-                self._bar(error)
-            return
-        for robot in sorted(now.stopped):
-            x, y = now.stopped[robot]
-            mind.emit("new_way", f"sends {robot} on to ({x},{y}) by another way", robot=robot, step=now.step)
-        self.execute("drive_on", tuple(recovering.term(c) for c in calls), calls)
-
-    def _to_safety(self) -> None:
-        """Robots between cells go to the middle of one: only from there can be planned."""
-        mind, now = self.mind, self.mind.memory
-        goals = recovering.safe_cells(mind, now.state)
-        calls = tuple(mind.ways.driving(now.state, robot, goals, ()) for robot in sorted(goals))
-        for robot in sorted(goals):
-            x, y = goals[robot]
-            mind.emit("safe_state", f"has {robot} go to ({x},{y}), where it is safe", robot=robot, step=now.step)
-        self.execute("safe", tuple(recovering.term(c) for c in calls), calls)
-
-    def _bar(self, error: NoWay) -> None:
-        """A way of the plan is impossible: plan without it. After too many of them, leave what is left to do."""
-        mind, now = self.mind, self.mind.memory
-        at = mind.words.cell(now.state, error.robot) or error.goal
-        barred = f"({error.robot},{recovering.written(at)},{recovering.written(error.goal)})"
-        left = mind.words.things(now.state) if len(now.never) >= recovering.MOST_BARRED else []
-        why = {thing: str(error) for thing in left}
-        mind.keep(never=(*now.never, barred), aside={**why, **now.aside})
-        self._replan(str(error))
-
-    def _replan(self, why: str) -> None:
-        self.mind.emit("plan_dropped", f"plans anew: {why}", step=self.mind.memory.step, reason=why)
-        self.mind.keep(course=None, stopped={}, waited=0, looked=False)
-        self.go_on()
-
-    # ------------------------------------------------------------ help
-    def _ask(self) -> None:
-        """The rest needs help: ask for it; if nobody can, offer it instead; then ask again."""
-        mind, now = self.mind, self.mind.memory
-        need, help_ = now.need, now.help
-        assert need is not None
-        match help_.phase:
-            case "none":
-                self.helpers.call("want", need.units, need.strong, need.about)
-            case "refused" if need.deadline or self._nobody_ever():
-                reasons = "; ".join(f"{team}: {a.reason}" for team, a in sorted(help_.answers.items()))
-                text = f"finds nobody who can help: {reasons or 'there is nobody'}"
-                mind.emit("nobody_helps", text, about=need.about)
-                mind.keep(alone=True, need=None, course=None, help=helping.give_up(help_), looked=False)
-                self.go_on()
-            case "refused" if not now.offered:
-                self.helpers.call("offer", DOOR_UNITS + mind.delay, False, "")
-            case "refused":
-                mind.keep(help=helping.give_up(help_), offered=False)
-                self._wait(AGAIN_UNITS)
-            case _:
-                mind.show(f"waiting for help {need.about}")
-
-    def _nobody_ever(self) -> bool:
-        """Was help asked for, and will no answer ever be another one?"""
-        now = self.mind.memory
-        if now.peers is None or set(now.known) - set(now.peers):
-            return False  # somebody is out of contact, and may come back
-        return now.help.kind == "want" and not any(answer.later for answer in now.help.answers.values())
 
     # ------------------------------------------------------------ rest
     def _rest(self) -> None:

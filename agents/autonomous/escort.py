@@ -101,9 +101,7 @@ class Escort:
         if purpose == "home":  # it stays where it is: somebody has taken its place
             self._is_home()
             return
-        until_s = mind.node.now_s + mind.unit_s
-        mind.keep(until_s=until_s, looked=False)
-        mind.node.wake_at(until_s)
+        mind.wait(1)
 
     # ------------------------------------------------------------ what came of it
     def executed(self, begun: Begun) -> None:

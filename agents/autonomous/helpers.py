@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from agents.autonomous import helping
+from agents.autonomous import hearing, helping
 from agents.autonomous.helping import Help
 from agents.autonomous.mind import Mind
 from agents.autonomous.willing import Willing, willing
@@ -75,13 +75,13 @@ class Helpers:
         now = mind.memory
 
         def think() -> Willing:
-            return willing(mind.words, mind.static, mind.thinking, now, body, mind.delay)
+            return willing(mind.words, mind.static, mind.thinking, now, envelope.src, body, mind.delay)
 
         mind.think(think, partial(self._decide, envelope, body))
 
     def _decide(self, envelope: Envelope, body: m.HelpCall, found: Willing) -> None:
         mind = self.mind
-        help_, answer = helping.heard_call(mind.team, mind.memory.help, envelope.src, body, found.answer)
+        help_, answer = hearing.heard_call(mind.team, mind.memory.help, envelope.src, body, found.answer)
         if answer.yes and found.robot:
             help_ = helping.chosen(help_, f"{mind.team}.{found.robot}", found.robot)
         says = "says yes" if answer.yes else f"says no: {answer.reason}"
@@ -100,7 +100,7 @@ class Helpers:
         """A promise is confirmed or released."""
         mind = self.mind
         before = mind.memory.help
-        help_, reply = helping.heard_settled(mind.team, before, envelope.src, body)
+        help_, reply = hearing.heard_settled(mind.team, before, envelope.src, body)
         with mind.node.journal.transaction():
             mind.keep(help=help_)
             mind.node.reply(envelope, reply)
@@ -113,7 +113,7 @@ class Helpers:
     def sent(self, envelope: Envelope, body: m.RobotSent) -> None:
         """A robot has left for this room."""
         mind = self.mind
-        help_, reply = helping.heard_sent(mind.memory.help, envelope.src, body)
+        help_, reply = hearing.heard_sent(mind.memory.help, envelope.src, body)
         with mind.node.journal.transaction():
             mind.keep(help=help_)
             mind.node.reply(envelope, reply)
@@ -128,7 +128,7 @@ class Helpers:
         peers = tuple(team for team in teams if team != mind.team)
         help_ = mind.memory.help
         for name in sorted({*help_.asked, help_.partner} - {"", *peers}):
-            help_ = helping.lost(mind.team, help_, name)
+            help_ = hearing.lost(mind.team, help_, name)
         known = tuple(sorted({*mind.memory.known, *peers}))
         mind.keep(peers=peers, known=known, told=number, help=help_)
         self.tell()
@@ -137,9 +137,9 @@ class Helpers:
     def _replied(self, about: m.Body, reply: Envelope) -> None:
         mind, help_, body = self.mind, self.mind.memory.help, reply.body
         if isinstance(body, m.HelpAnswer):
-            help_ = helping.heard_answer(mind.team, help_, reply.src, body)
+            help_ = hearing.heard_answer(mind.team, help_, reply.src, body)
         elif isinstance(body, m.HelpStands):
-            help_ = helping.heard_stands(help_, reply.src, about, body)
+            help_ = hearing.heard_stands(help_, reply.src, about, body)
         before = mind.memory.help
         confirmed = before.phase == "confirming" and help_.engaged
         with mind.node.journal.transaction():

@@ -74,6 +74,12 @@ class Mind:
         room = geometry.room(self.domain, self.static, seen)
         return dict(believed(self.words, room, self.memory.state, seen))
 
+    def wait(self, units: int) -> None:
+        """Do nothing for so many units of time, then look."""
+        until_s = self.node.now_s + units * self.unit_s
+        self.keep(until_s=until_s, looked=False)
+        self.node.wake_at(until_s)
+
     @property
     def ways(self) -> Ways:
         """Ways in the team's room; only after the first look."""

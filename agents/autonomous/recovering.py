@@ -92,14 +92,12 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
 
 def _stop(mind: Mind, stopped: dict[str, Cell], found: list[Cause]) -> None:
     """Robots that stopped go on in the next step; where a person or another robot was in the way, after a while."""
-    wait = any(cause.name in ("person_in_way", "held_up") for cause in found)
-    waited = mind.memory.waited + 1 if wait else mind.memory.waited if stopped else 0
-    mind.keep(stopped=stopped, waited=waited)
-    if wait:
-        until_s = mind.node.now_s + mind.unit_s
+    now, names = mind.memory, {cause.name for cause in found}
+    waited, held = now.waited + ("person_in_way" in names), now.held + ("held_up" in names)
+    mind.keep(stopped=stopped, waited=waited if stopped else 0, held=held if stopped else 0)
+    if names & {"person_in_way", "held_up"}:
         mind.emit("waited", "waits for a unit of time", step=mind.memory.step)
-        mind.keep(until_s=until_s, looked=False)
-        mind.node.wake_at(until_s)
+        mind.wait(1)
 
 
 def _watch_deadline(mind: Mind, step: int) -> None:

@@ -23,11 +23,13 @@ class Willing(NamedTuple):
 
 
 def willing(
-    words: Words, static: Mapping[str, Value], thinking: Thinking, now: Memory, call: HelpCall, delay: int
+    words: Words, static: Mapping[str, Value], thinking: Thinking, now: Memory, caller: str, call: HelpCall, delay: int
 ) -> Willing:
     """What the team would answer if it had no other promise to keep. It has looked around and has a plan, or is
     engaged."""
     room = words.here(now.state)
+    if caller not in (now.peers or ()):
+        return _no(call, room, "its caller is out of contact", later=True)
     doors = words.doors(static, now.state).get(call.room, [])
     if not doors:
         return _no(call, room, f"no door leads to {call.room}")
