@@ -125,6 +125,8 @@ class Floor:
     def put(self, name: str, at: Point, heading_rad: float = 0.0) -> None:
         """Put a body elsewhere, at rest, on the floor or lifted as it was before."""
         body = self._bodies[name].body
+        if body.space is None:
+            self._order = []
         body.angle, body.angular_velocity = heading_rad, 0.0
         body.position = at
         body.velocity = (0.0, 0.0)
@@ -230,8 +232,9 @@ class Floor:
         it = self._bodies[name]
         return [part for part in (it.body, it.shape, it.drive, self._turning.get(name)) if part is not None]
 
-    def _read(self) -> None:
-        """Take all positions from the space; who is lifted keeps its own."""
+    def standing(self) -> tuple[list[str], list[float]]:
+        """All bodies that are not lifted, the same list until one is lifted, lowered or added, or put elsewhere while
+        it is lifted; and their positions as x, y, x, y, ..."""
         if not self._order:
             names = {it.body.id: name for name, it in self._bodies.items()} | {self._space.static_body.id: WALLS}
             self._buffer.clear()
@@ -239,8 +242,13 @@ class Floor:
             self._order = [names[number] for number in memoryview(self._buffer.int_buf()).cast("P")]
         self._buffer.clear()
         batch.get_space_bodies(self._space, batch.BodyFields.POSITION, self._buffer)
-        numbers = memoryview(self._buffer.float_buf()).cast("d").tolist()
-        self._at.update(zip(self._order, zip(numbers[::2], numbers[1::2], strict=True), strict=True))
+        numbers: list[float] = memoryview(self._buffer.float_buf()).cast("d").tolist()  # type: ignore[assignment]
+        return self._order, numbers
+
+    def _read(self) -> None:
+        """Take all positions from the space; who is lifted keeps its own."""
+        order, numbers = self.standing()
+        self._at.update(zip(order, zip(numbers[::2], numbers[1::2], strict=True), strict=True))
         self._stale = False
 
     def _belt(self, belt: str) -> pymunk.Body:

@@ -159,20 +159,30 @@ class World:
         # While nothing moves, a frame a second is enough, and a single one after a leap.
         due = idle = max(target, self._frame_tick + round(IDLE_FRAME_S / self.scene.dt_s))
         while True:
+            still = False
             self.windows.control()
             self._serve()
             if truth.tick >= due and self._frame_tick != truth.tick:
                 self._show_frame()
+                still = True
             if truth.tick >= target:
                 break
             stops = [target, self.windows.control_tick(), self.windows.next_tick()]
             stops.append(self.faults.next_tick(between=self.windows.idle))
             moving = self.windows.moving
+            stop = max(min(tick for tick in stops if tick is not None), truth.tick + 1)
             due = truth.tick - truth.tick % self._frame_ticks + self._frame_ticks if moving else idle
-            stop = max(min(tick for tick in (*stops, due) if tick is not None), truth.tick + 1)
-            if moving:
-                truth.floor.step(stop - truth.tick)
-            truth.tick = stop
+            while due < stop:  # nothing but physics happens on the way
+                self._pass(due, moving)
+                self._show_frame(still=still)
+                due, still = due + self._frame_ticks, True
+            self._pass(stop, moving)
+
+    def _pass(self, tick: int, moving: bool) -> None:
+        """Let time pass until a tick, without anything happening in between."""
+        if moving:
+            self.truth.floor.step(tick - self.truth.tick)
+        self.truth.tick = tick
 
     def on_contact(self, name: str, state: ContactState) -> None:
         """Somebody was lost from sight, or is back."""
@@ -214,6 +224,6 @@ class World:
         saved = Saved(truth.tick, truth.step, truth.save(), faults, untold, truth.fluents, self.windows.saved())
         self.node.journal.put(SAVED, msgspec.msgpack.encode(saved))
 
-    def _show_frame(self) -> None:
+    def _show_frame(self, *, still: bool = False) -> None:
         self._frame_tick = self.truth.tick
-        self.node.publish(keys.truth_frame(self.node.run), self._frames.frame(self.windows.doing))
+        self.node.publish(keys.truth_frame(self.node.run), self._frames.frame(self.windows.doing, still=still))

@@ -126,14 +126,16 @@ class Truth:
         thing.marks[attribute] = self.tick + round(periods * self.period)
         self._marked[thing.id] = thing
 
-    def fade(self) -> None:
-        """Let the marks go whose time is over."""
+    def fade(self) -> bool:
+        """Let the marks go whose time is over; whether there were any."""
+        faded = False
         for thing in list(self._marked.values()):
             for mark in [m for m, until in thing.marks.items() if until <= self.tick]:
-                thing.attributes[mark] = 0
+                thing.attributes[mark], faded = 0, True
                 del thing.marks[mark]
             if not thing.marks:
                 del self._marked[thing.id]
+        return faded
 
     def force_n(self, thing: Thing) -> float:
         """What a robot pulls with, or what holds a thing to the floor."""
