@@ -62,9 +62,9 @@ def _screen(model: Model, width: int, height: int, focus: str, note: str, keys: 
     teams = [focus] if focus in model.teams else list(model.teams)
     if is_house(model.scene):
         bench = panels.hallway(model, width)
-        room = height - len(top) - len(foot) - len(bench)
+        room = height - len(top) - len(foot)
         middle = home(model, teams, width, room - (EVENTS_TALL if height >= TALL else EVENTS_LOW))
-        used = len(middle)
+        used = len(middle) + len(bench)  # the picture stays when the hallway's line comes and goes
     else:
         bench = [panels.bench(model, width)]
         room = height - len(top) - len(foot) - 1

@@ -128,7 +128,11 @@ def test_who_was_done_in_time_stays_so_while_its_robot_helps() -> None:
 
 def test_who_is_between_two_rooms_is_told() -> None:
     away = said("world", Frame(1.0, 1, (BodyFrame("T1.r1", "r1", "robot", "bench", 0.0, 0.0),)))
-    assert any(line.startswith(" hallway r1 of T1 under way") for line in picture(update(made_up(), away), 80, 24))
+    for width, height in SIZES:
+        before, after = (picture(model, width, height) for model in (made_up(), update(made_up(), away)))
+        assert any(line.startswith(" hallway r1 of T1 under way") for line in after)
+        titles = [[i for i, line in enumerate(lines) if " T2 kitchen " in line] for lines in (before, after)]
+        assert titles[0] == titles[1]  # the picture stays
 
 
 def test_a_broken_robot_is_marked() -> None:
