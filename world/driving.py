@@ -69,6 +69,8 @@ class Driver:
         self.trips: list[Trip] = []
         self._ways: dict[int, Way] = {}
         self.walking: set[str] = set()
+        rooms = [space for space in truth.scene.workspaces if space.room]
+        self._walls = {space.team: [*truth.layout.walls(space)] for space in rooms}
 
     def set_out(self, robots: list[Thing], ways: list[list[Point]], ticks: int) -> Trip:
         """From now on, robots of one team, within so many ticks. Raises ValueError for ways that cannot be driven."""
@@ -140,13 +142,14 @@ class Driver:
         before = way.at(self._driven(trip))
         if trip.driven_s < trip.seconds:
             speed_mps = (self._driven(trip, self._dt_s) - self._driven(trip)) / self._dt_s
-            other = self._obstacle(trip, speed_mps * trip.rate)
+            clear, other = self._look(trip, speed_mps * trip.rate)
             change = trip.accel_mps2 * self._dt_s / max(speed_mps, CRAWL_MPS)
-            trip.rate = min(trip.rate + change, 1.0) if other is None else max(trip.rate - change, 0.0)
-            if other is None or trip.rate > 0.0:
+            trip.rate = min(trip.rate + change, 1.0) if clear else max(trip.rate - change, 0.0)
+            if clear or trip.rate > 0.0:
                 trip.waited = 0
-            elif not other.patient or trip.waited >= self._truth.period:
-                other.thing.known = True
+            elif other is None or not other.patient or trip.waited >= self._truth.period:
+                if other is not None:
+                    other.thing.known = True
                 return self._halt(trip, "blocked")
             else:
                 trip.waited += 1
@@ -184,8 +187,8 @@ class Driver:
         return max(dist(self._floor.where(robot.id), at) for robot, at in zip(robots, places, strict=True))
 
     # ------------------------------------------------------------ what is ahead
-    def _obstacle(self, trip: Trip, speed_mps: float) -> Disc | None:
-        """What is in the way, nearer than it takes to stop."""
+    def _look(self, trip: Trip, speed_mps: float) -> tuple[bool, Disc | None]:
+        """Whether the way is clear for as far as it takes to stop, and which body is in the way, if it is one."""
         way, metres = self._ways[id(trip)], self._driven(trip)
         stop_m = speed_mps**2 / (2 * trip.accel_mps2)
         robot_m = self._truth.kind(self._truth.things[trip.robots[0]]).radius_m
@@ -199,7 +202,8 @@ class Driver:
                 break
         now = [*lookout.parts(way.at(metres), robot_m, thing_m)]
         others = [*self._others(trip, way), *self._claims(trip, now)]
-        return lookout.in_the_way(now, ahead, others, self.walking, stop_m)
+        other = lookout.in_the_way(now, ahead, others, self.walking, stop_m)
+        return other is None and not lookout.wall_ahead(now, ahead, self._walls[trip.team], stop_m), other
 
     def _others(self, trip: Trip, way: Way) -> Iterator[Disc]:
         """All bodies in the room that may be in the way of a trip."""

@@ -1,6 +1,6 @@
 """What a robot in a room sees ahead of it: whether its way is clear for as far as it needs to stop.
 
-Walls and furniture do not come into it: a robot knows them and its way keeps off them.
+Ways are planned so that they just miss what is known: only what would be touched by more than `GRAZE_M` is in the way.
 """
 
 from __future__ import annotations
@@ -9,10 +9,12 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import dist
 from typing import NamedTuple
 
+from world import plane
 from world.physics import Point
 from world.things import Thing
 from world.truth import Truth
 
+GRAZE_M = 0.001
 GAP_M = 0.1
 """So far from what is in its way a robot stops."""
 APPROACH_M = 0.15
@@ -71,7 +73,7 @@ def in_the_way(
         reach = reach_m(stop_m, patient=other.patient)
         # Nobody gets nearer by more than it drives: most are too far away to be looked at twice.
         far_m = [dist(was, other.at) for was, _ in now]
-        limits_m = [radius_m + other.radius_m + extra_m for _, radius_m in now]
+        limits_m = [radius_m + other.radius_m + extra_m - GRAZE_M for _, radius_m in now]
         if all(far - reach > limit for far, limit in zip(far_m, limits_m, strict=True)):
             continue
         for metres, places in ahead:
@@ -81,3 +83,21 @@ def in_the_way(
                 if dist(at, other.at) < min(limit, far - 1e-6):
                     return other
     return None
+
+
+def wall_ahead(
+    now: Sequence[tuple[Point, float]],
+    ahead: Sequence[tuple[float, Sequence[tuple[Point, float]]]],
+    walls: Iterable[tuple[Point, Point]],
+    stop_m: float,
+) -> bool:
+    """Would a wall or furniture be touched? As `in_the_way`."""
+    reach = reach_m(stop_m, patient=False)
+    for a, b in walls:
+        for part, (was, radius_m) in enumerate(now):
+            far_m = plane.away(was, a, b)
+            if far_m - reach <= radius_m:
+                limit_m = min(radius_m - GRAZE_M, far_m - 1e-6)
+                if any(plane.away(places[part][0], a, b) < limit_m for metres, places in ahead if metres <= reach):
+                    return True
+    return False

@@ -109,6 +109,7 @@ class Floor:
 
     def wall(self, start: Point, end: Point) -> None:
         """What nobody gets through."""
+        self._space.collision_slop = WALL_M
         piece = pymunk.Segment(self._space.static_body, start, end, WALL_M)
         piece.filter = pymunk.ShapeFilter(categories=SOLID)
         self._space.add(piece)

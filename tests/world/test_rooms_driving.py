@@ -52,7 +52,7 @@ def test_a_way_is_driven_exactly_and_in_time() -> None:
     assert max(off_way(at, CORNER_ROUND) for at in track) < 0.005
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(st.lists(st.tuples(st.integers(5, 75), st.integers(5, 75)), min_size=1, max_size=5))
 def test_any_way_is_driven_to_its_end(corners: list[tuple[int, int]]) -> None:
     way = ((2.5, 2.5), *((x / 10, y / 10) for x, y in corners))
