@@ -1,6 +1,6 @@
 """What must have been true in every room all through a run, checked on its frames. Shares nothing with the world.
 
-1. No robot and no person is inside furniture, a wall, or another of them.
+1. No robot and no person is inside furniture, a wall, or another of them; and no thing in another thing.
 2. Nobody pushes people: each is on the straight lines of its walk, and never faster than people walk.
 
 A disturbance that puts a person elsewhere ends what can be said of its walk.
@@ -8,15 +8,16 @@ A disturbance that puts a person elsewhere ends what can be said of its walk.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
-from math import dist, hypot, inf
+from math import cos, dist, hypot, inf, sin
 
 from bus.messages import BodyFrame, Event, Frame
-from bus.scene import Entity, Kind, Scene, Workspace
+from bus.scene import Entity, Scene, Workspace
 from ops.recording import Recording
 
 Point = tuple[float, float]
+Disc = tuple[str, Point, float]
 SLACK_M = 0.01
 """Rounding, and what a bounded force allows: so much is no contact."""
 WALK_MPS = 1.05
@@ -25,11 +26,15 @@ WALK_MPS = 1.05
 def touching(recording: Recording, scene: Scene) -> Iterator[str]:
     """A sentence for each violation; only the first of each pair of bodies."""
     rooms = {space.team: space for space in scene.workspaces if space.room}
+    heavy = {entity.id for entity in scene.entities if entity.end}
     told: set[tuple[str, str]] = set()
     for _, frame in _frames(recording) if rooms else ():
         for team, space in rooms.items():
-            here = [b for b in frame.bodies if b.place == team and scene.kinds[b.kind].role != "object"]
-            for one, other, how in _contacts(here, space, scene.kinds):
+            here = [body for body in frame.bodies if body.place == team]
+            things = [body for body in here if scene.kinds[body.kind].role == "object"]
+            others = [_disc(body, scene) for body in here if scene.kinds[body.kind].role != "object"]
+            ends = [end for body in things for end in _ends(body, scene, body.id in heavy)]
+            for one, other, how in (*_inside_solids(others, space), *_overlaps(others), *_overlaps(ends)):
                 if (one, other) not in told:
                     told.add((one, other))
                     yield f"{frame.at_s:.2f} s: {one} is {how} {other}"
@@ -61,20 +66,31 @@ def pushed(recording: Recording, scene: Scene) -> Iterator[str]:
             before = life, frame.at_s, at
 
 
-def _contacts(
-    bodies: Sequence[BodyFrame], space: Workspace, kinds: Mapping[str, Kind]
-) -> Iterator[tuple[str, str, str]]:
-    for body in bodies:
-        at, near_m = (body.x_m, body.y_m), kinds[body.kind].radius_m - SLACK_M
+def _disc(body: BodyFrame, scene: Scene) -> Disc:
+    return body.id, (body.x_m, body.y_m), scene.kinds[body.kind].radius_m - SLACK_M / 2
+
+
+def _ends(body: BodyFrame, scene: Scene, heavy: bool) -> list[Disc]:
+    """The ends of a thing: of a heavy one two, a metre apart."""
+    name, (x, y), radius_m = _disc(body, scene)
+    other = (name, (x + cos(body.heading_rad), y + sin(body.heading_rad)), radius_m)
+    return [(name, (x, y), radius_m), *([other] if heavy else [])]
+
+
+def _inside_solids(discs: Sequence[Disc], space: Workspace) -> Iterator[tuple[str, str, str]]:
+    for name, at, radius_m in discs:
+        near_m = radius_m - SLACK_M / 2
         if not (near_m <= at[0] <= space.width - near_m and near_m <= at[1] <= space.height - near_m):
-            yield body.id, "a wall", "inside"
+            yield name, "a wall", "inside"
         for solid in space.solids:
             if _inside(at, solid.corners) or min(_away(at, a, b) for a, b in _edges(solid.corners)) < near_m:
-                yield body.id, solid.name, "inside"
-    for one, other in combinations(bodies, 2):
-        apart_m = hypot(one.x_m - other.x_m, one.y_m - other.y_m)
-        if apart_m < kinds[one.kind].radius_m + kinds[other.kind].radius_m - SLACK_M:
-            yield one.id, other.id, "in the place of"
+                yield name, solid.name, "inside"
+
+
+def _overlaps(discs: Sequence[Disc]) -> Iterator[tuple[str, str, str]]:
+    for (one, a, radius_m), (other, b, other_m) in combinations(discs, 2):
+        if one != other and dist(a, b) < radius_m + other_m:
+            yield one, other, "in the place of"
 
 
 def _walk(person: Entity) -> list[tuple[Point, Point]]:

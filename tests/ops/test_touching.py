@@ -11,13 +11,15 @@ from bus.messages import BodyFrame, Envelope, Event, Frame
 from bus.scene import Solid, Stop
 from ops.recording import Recording
 from ops.touching import pushed, touching
-from tests.world.house import House, cart, go, house, human, room
+from tests.world.house import House, cart, go, house, human, pot, room
 
 BED = Solid("bed", ((5.0, 5.0), (7.0, 5.0), (7.0, 7.0), (5.0, 7.0)))
 SCENE = house(
     cart("A", "r1", 0, 2),
     cart("A", "r2", 3, 0),
     human("A", "anna", 1, 4, Stop(2.0, 4.5, 1.5), Stop(9.0, 1.5, 4.5), again_s=20.0),
+    pot("A", "cup", 5, 4),
+    pot("A", "chest", 0, 6, "(1,6)"),
     rooms=(room("A", BED),),
 )
 
@@ -62,6 +64,7 @@ def test_the_world_keeps_to_it(run: Recording) -> None:
         ("A.r1", 4.8, 6.0, ["A.r1 is inside bed"]),
         ("A.r1", 0.2, 1.0, ["A.r1 is inside a wall"]),
         ("A.r1", 3.5, 7.1, ["A.r1 is in the place of A.r2"]),
+        ("A.cup", 1.6, 6.4, ["A.cup is in the place of A.chest"]),
         ("A.anna", 1.7, 4.5, ["A.anna is off its walk: somebody has pushed it"]),
     ],
 )
