@@ -44,6 +44,6 @@ class Asking:
     def _nobody_ever(self) -> bool:
         """Was help asked for, and will no answer ever be another one?"""
         now = self.mind.memory
-        if now.peers is None or set(now.known) - set(now.peers):
-            return False  # somebody is out of contact, and may come back
-        return now.help.kind == "want" and not any(answer.later for answer in now.help.answers.values())
+        answers = now.help.answers
+        asked = now.help.kind == "want" and set(now.known) <= set(answers)  # who is out of contact may come back
+        return asked and not any(answer.later for answer in answers.values())
