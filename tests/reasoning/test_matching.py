@@ -39,8 +39,18 @@ def test_a_matching_is_found_if_brute_force_finds_one_and_uses_the_bench_as_much
         assert not all_ways
         return
     assert found in all_ways
-    used = [sum(giver in bench for giver in way.values()) for way in all_ways]
-    assert sum(giver in bench for giver in found.values()) == max(used)
+
+    def worth(way: dict[str, str]) -> tuple[int, int]:
+        return -sum(giver in bench for giver in way.values()), sum(lenders.get(giver, 0) for giver in way.values())
+
+    assert worth(found) == min(map(worth, all_ways))
+
+
+def test_many_teams_are_matched_or_refuted_without_trying_all_ways() -> None:
+    lenders = {f"T{n}": 5 * n % 13 for n in range(48)}
+    assert len(match(lenders, {f"B{n}": 5 + n % 7 for n in range(16)}, 2) or {}) == 16
+    late = {name: step if n < 15 else 14 for n, (name, step) in enumerate(sorted(lenders.items()))}
+    assert match(late, {f"B{n}": 14 + n % 2 for n in range(16)}, 2) is None
 
 
 def test_the_published_exchange() -> None:
