@@ -6,7 +6,8 @@ that all meet the same machine; the best of several rounds, since what else the 
 - *bare*: pymunk with the same bodies, joints and drive commands, and nothing else.
 - *world*: ours, on a bus and a journal that do nothing: it judges 50 calls a period, moves bodies by the same physics,
   senses ten teams, packs its state. It leaves bodies out of the physics that lie on a line that stands.
-- *process*: the same with all that a run needs: replies and state journalled in SQLite, events, frames at 10 Hz.
+- *process*: the same with all that a run needs: replies and state journalled in SQLite, events, and frames at 10 Hz,
+  the rate at which scenarios record if they do not say otherwise.
 
 And how many times faster than real time a world of the size of the published one runs, as a process, alone.
 """
@@ -182,7 +183,7 @@ def main() -> None:
     for name, words in (("bare", "bare pymunk"), ("world", "our world"), ("process", "with bus and journal")):
         rate = figures[f"{name}_steps_per_s"]
         ratio = f"   {figures[f'{name}_ratio']:.2f} of bare" if name != "bare" else ""
-        target = f" (target {TARGET})" if name == "world" else ""
+        target = f" (target {TARGET})" if name != "bare" else ""
         print(f"{words:22}{rate:9.0f} physics steps/s, {figures['bodies']} bodies{ratio}{target}")
     print(f"{'published size':22}{figures['published_realtime_factor']:9.0f} times real time")
 
