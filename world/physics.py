@@ -2,8 +2,7 @@
 
 All is seen from above. A robot is driven by a velocity that a bounded force pulls it to; at rest the same force, only
 stronger, is its brake. An object rides a belt by friction. Bodies are discs that do not turn, but for heavy things in
-rooms: two discs a metre apart. In rooms, robots run into walls, furniture, persons and one another, and drive over what
-lies on the floor: it is for their sensors to stop them.
+rooms: two discs a metre apart. In rooms robots run into solids, persons and one another, and drive over things.
 """
 
 from __future__ import annotations
@@ -69,14 +68,11 @@ class Floor:
         shape = pymunk.Circle(body, radius_m)
         shape.filter = solid
         control = self._belt(belt) if belt else pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        drive = pymunk.PivotJoint(control, body, (0, 0), (0, 0))
-        drive.max_bias = 0.0
         brake_n = mass_kg * self._firm * (1.0 if belt else BRAKE)
-        drive.max_force = brake_n
-        self._space.add(body, shape, drive)
+        drive = pymunk.PivotJoint(control, body, (0, 0), (0, 0))
+        drive.max_bias, drive.max_force = 0.0, brake_n
         self._bodies[name] = _Body(body, shape, drive, control, solid, mass_kg, brake_n)
-        self._order = []
-        self._stale = True
+        self.lower(name)
 
     def stand(
         self, name: str, at: Point, *, role: Literal["robot", "object", "person"], radius_m: float, mass_kg: float,
@@ -85,18 +81,16 @@ class Floor:
         """A body at rest in a room, held by friction or brakes of `force_n`. With a heading it has a second end, a
         metre away in that direction."""
         heavy = heading_rad is not None
+        body = pymunk.Body(mass_kg, mass_kg / 4 if heavy else float("inf"))
         if role == "person":
             body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        else:
-            body = pymunk.Body(mass_kg, mass_kg / 4 if heavy else float("inf"))
         middle = (0.5, 0.0) if heavy else (0.0, 0.0)
         body.center_of_gravity = middle  # first: what comes next is about it
         body.angle = heading_rad or 0.0
         body.position = at
         control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        drive = None
-        if role != "person":
-            drive = pymunk.PivotJoint(control, body, middle, middle)
+        drive = pymunk.PivotJoint(control, body, middle, middle) if role != "person" else None
+        if drive is not None:
             drive.max_bias, drive.max_force = 0.0, force_n
         if heavy:
             turning = pymunk.GearJoint(control, body, 0.0, 1.0)
@@ -110,9 +104,8 @@ class Floor:
     def wall(self, start: Point, end: Point) -> None:
         """What nobody gets through."""
         self._space.collision_slop = WALL_M
-        piece = pymunk.Segment(self._space.static_body, start, end, WALL_M)
+        self._space.add(piece := pymunk.Segment(self._space.static_body, start, end, WALL_M))
         piece.filter = pymunk.ShapeFilter(categories=SOLID)
-        self._space.add(piece)
 
     def lift(self, name: str) -> None:
         """Take a body off the floor: nothing touches or moves it any more, it keeps its place."""
@@ -224,9 +217,8 @@ class Floor:
             advance(dt_s)
 
     def _pull(self, name: str, force_n: float) -> None:
-        drive = self._bodies[name].drive
-        assert drive is not None
-        drive.max_force = force_n
+        if (drive := self._bodies[name].drive) is not None:
+            drive.max_force = force_n
 
     def _parts(self, name: str) -> list[pymunk.Body | pymunk.Shape | pymunk.Constraint]:
         """Everything of a body that the space knows."""
