@@ -88,7 +88,11 @@ class Acting:
         """Make a plan from what is believed now."""
         mind, now = self.mind, self.mind.memory
         if not mind.words.robots(now.state):
-            mind.show("waiting for its robot")
+            if now.help.engaged:
+                mind.show("waiting for its robot")
+            else:
+                why = dict.fromkeys(mind.words.things(now.state), "no robot is left that works")
+                self._thought(Thought(None, None, {**why, **now.aside}))
             return
         self._thinking = True
         mind.show("planning")

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from msgspec.structs import replace
 
 from agents.autonomous import helping, memory
-from agents.autonomous.beliefs import believed
+from agents.autonomous.beliefs import believed, without
 from agents.autonomous.thinking import Thinking
 from agents.autonomous.ways import Ways
 from agents.autonomous.words import words
@@ -72,7 +72,7 @@ class Mind:
     def see(self, seen: State) -> State:
         """What is to be believed after a look."""
         room = geometry.room(self.domain, self.static, seen)
-        return dict(believed(self.words, room, self.memory.state, seen))
+        return without(believed(self.words, room, self.memory.state, seen), set(self.memory.broken))
 
     def wait(self, units: int) -> None:
         """Do nothing for so many units of time, then look."""

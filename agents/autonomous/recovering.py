@@ -8,7 +8,7 @@
 | held_up          | wait a unit, then another way; after some such, plan anew without that way                     |
 | object_not_found | look, plan anew                                                                                |
 | heavy_object     | plan anew: with both robots of the room, or the heavy object last and with help                |
-| robot_broken     | plan anew without the robot                                                                    |
+| robot_broken     | diagnose; plan anew without the robot, and without what it holds                               |
 | object_appeared  | none: ways go round it, and the final look finds it                                            |
 | deadline_at_risk | plan anew, with help if that is the only way                                                   |
 """
@@ -17,14 +17,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agents.autonomous.beliefs import problem_state, without
 from agents.autonomous.causes import Cause, causes
 from agents.autonomous.thinking import Course, Thought
 from agents.autonomous.words import Words
-from bus.messages import Executed, SkillCall
+from bus.messages import Executed, SkillCall, Value
+from reasoning.diagnoser import broken_in, diagnose
 from reasoning.geometry import Cell
 from reasoning.motion.layout import Disc
 from reasoning.solver import parse
-from reasoning.values import State
+from reasoning.values import Case, State
 from reasoning.words import count
 
 if TYPE_CHECKING:
@@ -65,6 +67,8 @@ def after_step(mind: Mind, begun: Begun, before: Memory, body: Executed) -> None
     found = causes(mind.words, before.state, begun.predicted, now.state, body.felt, begun.actions)
     for cause in found:
         _tell(mind, cause, body.step)
+    if any(cause.name == "robot_broken" for cause in found):
+        _do_without(mind, begun, before)
     goals = _goals(begun, mind.words)
     if any(cause.name not in (*STOPS, "object_appeared") for cause in found):
         mind.keep(course=None, need=None, stopped={}, looked=False)
@@ -88,6 +92,38 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
         mind.keep(course=None, stopped={}, looked=False)
     else:
         _stop(mind, left, found)
+
+
+def _do_without(mind: Mind, begun: Begun, before: Memory) -> None:
+    """Diagnose what happened: robots that are broken are done without, and so is what they hold."""
+    words, now = mind.words, mind.memory
+    details = {(0, action): detail for action, detail in _details(begun).items()}
+    case = Case(
+        mind.domain.name,
+        mind.static,
+        problem_state(words, before.state),
+        (begun.actions,),
+        problem_state(words, now.state),
+        details=details,
+    )
+    found = mind.patiently(lambda: diagnose(case)).diagnoses
+    causes_ = [list(d.causes) for d in found]
+    said = " or ".join("{" + ", ".join(c) + "}" for c in causes_) or "nothing that it knows of"
+    mind.emit("diagnosis", f"explains it by {said}", step=begun.step, causes=causes_)
+    broken = {robot for d in found[:1] for robot in broken_in(d)}
+    held = {end[0]: robot for robot in broken if (end := words.held(now.state, robot)) is not None}
+    aside = {thing: f"{robot}, which is broken, holds it" for thing, robot in sorted(held.items())}
+    mind.keep(
+        broken=tuple(sorted({*now.broken, *broken})), aside={**now.aside, **aside}, state=without(now.state, broken)
+    )
+
+
+def _details(begun: Begun) -> dict[str, dict[str, Value]]:
+    """What the written actions leave out, as far as it is about the state."""
+    return {
+        term(call): {key: value for key, value in call.detail.items() if key not in ("way", "units")}
+        for call in begun.calls
+    }
 
 
 def _stop(mind: Mind, stopped: dict[str, Cell], found: list[Cause]) -> None:
