@@ -3,6 +3,7 @@ follow."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
@@ -53,7 +54,9 @@ class Planning:
         """What remains of a plan that is still on course can be promised, and what it refutes cannot."""
         self._ledger = self._ledger.learn(*(Known(Question(*astuple(q)), "no") for q in left.refuted))
         q = Question(*astuple(courses.question(left)))
-        self._remember(Known(q, "yes", left.makespan, q.step, 0, q.gives, q.takes), left)
+        known = Known(q, "yes", left.makespan, q.step, 0, q.gives, q.takes)
+        self._remember(known, left)
+        self._ledger = dataclasses.replace(self._ledger, offer=known)
 
     def prospects(self, cancelled: Cancelled) -> Prospects:
         planner, alone = self._search(cancelled), Planner(self._alone)

@@ -65,7 +65,8 @@ def _ledger(standing: m.Standing, lenders: bool) -> Ledger:
         return ledger
     q = Question(*astuple(offer.question))
     refuted = (Known(Question(*astuple(r)), "no") for r in offer.refuted)
-    return ledger.learn(Known(q, "yes", q.within, q.step, 0, q.gives, q.takes), *refuted)
+    known = Known(q, "yes", q.within, q.step, 0, q.gives, q.takes)
+    return replace(ledger.learn(known, *refuted), offer=known)
 
 
 def _on_bench(standings: Mapping[str, m.Standing]) -> dict[str, tuple[str, m.Handover]]:

@@ -13,21 +13,25 @@ it is a shared plan. Else the teams are asked about theirs, and the answers forb
 - that by halving what is open between a known yes and the profile.
 
 The search first allows each team one exchange (the published special case), which finds a good plan fast if there is
-one; what can be said beyond is then asked with that plan at hand.
+one; what can be said beyond is then asked with that plan at hand. In the end as many teams as possible keep the plans
+that they follow already, as long as that costs no step.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from reasoning.horizons import STRIDE, Asking, Horizon, Loan, Shared, Trail, begin, search
 from reasoning.ledger import Known, Ledger
 from reasoning.loans import Market, Take, choose
-from reasoning.probes import probe, put_off
+from reasoning.probes import as_planned, probe, put_off
 from reasoning.values import Question, steps
 
+KEEPING = 2
+"""The last round of a search, after those with one exchange a team and with any number."""
 FEW = 8 * STRIDE
 """With one exchange a team, no more than so many steps beyond the bound are looked at: it may never suffice."""
 
@@ -45,25 +49,46 @@ def advance(
     needy = sorted(name for name, ledger in teams.items() if not ledger.can_alone)
     if needy and not market.bench and not any(sum(ledger.stock.values()) for ledger in teams.values()):
         return Shared("infeasible", proof=f"{', '.join(needy)} can never finish alone, and there is no robot to borrow")
+    if trail is not None and trail.round == KEEPING and trail.best is not None:
+        return _keeping(teams, market, trail.best)
     if trail is None or trail.round == 0:
         few = min(longest, max((ledger.lower_bound for ledger in teams.values()), default=0) + FEW)
         first = search(teams, lambda k: _judge(teams, market, k, 1), few, trail)
-        if isinstance(first, Asking) or first.status == "optimal":
+        if isinstance(first, Asking):
             return first
+        if first.status == "optimal":
+            return _keeping(teams, market, first)
         trail = begin(teams, first if first.roles else None, 1)
-    return search(teams, lambda k: _judge(teams, market, k, None), longest, trail)
+    result = search(teams, lambda k: _judge(teams, market, k, None), longest, trail)
+    return result if isinstance(result, Asking) else _keeping(teams, market, result)
 
 
-def _judge(teams: Mapping[str, Ledger], market: Market, k: int, most: int | None) -> Horizon:
-    helped = {} if most else {name: _helped(name, teams, market, k) for name in sorted(teams)}
+def _keeping(teams: Mapping[str, Ledger], market: Market, found: Shared) -> Asking | Shared:
+    """The plan that was found, or another one of the same length in which more teams go on as they do."""
+    offers = {name: ledger.offer for name, ledger in teams.items() if ledger.offer is not None}
+    if not found.roles or all(teams[name].witness(found.roles[name]) == offer for name, offer in offers.items()):
+        return found
+    k, bound = found.makespan, found.lower_bound
+    horizon = _judge(teams, market, k, None, keep=True)
+    if horizon.shared is not None:
+        return replace(found, roles=horizon.shared.roles, loans=horizon.shared.loans)
+    trail = Trail(k, bound, STRIDE, bound, found.proof, found, KEEPING)
+    return Asking(k, bound, k, horizon.questions, found, trail)
+
+
+def _judge(teams: Mapping[str, Ledger], market: Market, k: int, most: int | None, *, keep: bool = False) -> Horizon:
+    helped = {} if most or keep else {name: _helped(name, teams, market, k) for name in sorted(teams)}
     if open_ := {name: best for name, best in helped.items() if teams[name].verdict(best) is None}:
         return Horizon(questions=open_)
-    takes = choose(teams, market, k, most=most, against=("no", "unknown"))
+    takes = choose(teams, market, k, most=most, against=("no", "unknown"), keep=keep)
     if takes is None:
         return Horizon(reason=_reason(teams, k), sure=choose(teams, market, k) is None)
     late = list(takes)
     for name in sorted(teams):
-        if teams[name].verdict(_profile(name, market, k, late)) != "yes":
+        plan = teams[name].witness(_profile(name, market, k, late))
+        if plan is not None:
+            late = as_planned(plan, late, name)
+        else:
             late = put_off(teams[name], late, name, partial(_profile, name, market, k))
     profiles = {name: _profile(name, market, k, late) for name in sorted(teams)}
     open_ = {name: wanted for name, wanted in profiles.items() if teams[name].verdict(wanted) != "yes"}

@@ -46,13 +46,15 @@ def learned(answer: Answer) -> Known:
 class Ledger:
     """What is known of one team: answers so far, an admissible bound on its makespan in any role, and whether it
     can ever finish alone or with borrowed robots. `stock` are the robots that it has, by kind; it can give those, and
-    what it has taken before."""
+    what it has taken before. `offer` is the answer that it follows already, if there is one: where sharing is general
+    it is kept wherever it does what is asked."""
 
     lower_bound: int = 0
     answers: tuple[Known, ...] = ()
     can_alone: bool = True
     can_borrow: bool = True
     stock: Mapping[str, int] = field(default_factory=dict)
+    offer: Known | None = None
 
     def learn(self, *known: Known) -> Ledger:
         return replace(self, answers=(*self.answers, *known))
@@ -70,6 +72,8 @@ class Ledger:
             if a.verdict == "yes" and a.question.kind == kind and a.finish <= within and _serves(a, question)
         ]
         if kind == "share":
+            if self.offer in found:
+                return self.offer
             return min(found, key=lambda a: (len(a.gave) + len(a.took), a.finish), default=None)
         return min(found, key=lambda a: (-a.at if kind == "borrow" else a.at, a.finish), default=None)
 

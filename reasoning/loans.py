@@ -74,14 +74,15 @@ def choose(
     *,
     most: int | None = None,
     against: Sequence[Verdict] = ("no",),
+    keep: bool = False,
 ) -> tuple[Take, ...] | None:
     """Exchanges with which nothing known keeps all teams from finishing in k steps; None: there are none.
 
     If what is known suffices for some exchanges, then such; else as few as possible, of teams of which the most is
     known. `most` limits the robots that a team gives and takes in all; `against` are the verdicts that count as a no.
-    Deterministic.
+    With `keep`, above all as many teams as possible go on with what they offer. Deterministic.
     """
-    program = _Facts(teams, market, k, most)
+    program = _Facts(teams, market, k, most, keep)
     for name, ledger in sorted(teams.items()):
         program.team(name, ledger, against)
     program.ports()
@@ -90,9 +91,9 @@ def choose(
 
 
 class _Facts:
-    def __init__(self, teams: Mapping[str, Ledger], market: Market, k: int, most: int | None) -> None:
+    def __init__(self, teams: Mapping[str, Ledger], market: Market, k: int, most: int | None, keep: bool) -> None:
         self.facts = [] if most is None else [f"most({most})."]
-        self._teams, self._market, self._k = teams, market, k
+        self._teams, self._market, self._k, self._keep = teams, market, k, keep
         kinds = {*chain.from_iterable(ledger.stock for ledger in teams.values())}
         self._kinds = sorted({*kinds, *(waiting.kind for waiting in market.bench.values())})
         names = sorted({*teams, *market.bench})
@@ -110,6 +111,9 @@ class _Facts:
         refuted = _easiest(q._replace(within=k) for q in nos if q.kind == "share")
         yeses = [a for a in ledger.answers if a.verdict == "yes" and a.finish <= k]
         known = _hardest(Question("share", k, 0, a.gave, a.took) for a in yeses if a.question.kind == "share")
+        kept = ledger.offer if self._keep and ledger.offer in yeses else None
+        offered = [] if kept is None else [Question("share", k, 0, kept.gave, kept.took)]
+        known += [q for q in offered if q not in known]
         self._add("weight", team, 1 + _dear(ledger))
         for other in sorted(self._teams):
             if (travel := market.steps(other, name)) is not None:
@@ -133,6 +137,8 @@ class _Facts:
         for verdict, questions in (("no", refuted), ("yes", known)):
             for question in questions:
                 self._question(verdict, team, question)
+                if verdict == "yes" and question in offered:
+                    self._add("offer", self._questions)
 
     def ports(self) -> None:
         """Who can take robots, and when. Beside the steps that matter by themselves there are those in which a robot

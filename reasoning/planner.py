@@ -92,9 +92,8 @@ class Planner:
             if better.model is not None:
                 plan = plan_in(better.model, within)
                 tried = later(question, plan)
-        verdict: Literal["yes", "no", "unknown"] = "unknown"
-        if solved.satisfiable is not None:
-            verdict = "yes" if solved.satisfiable else "no"
+        verdict: Literal["yes", "no", "unknown"] = "yes" if solved.satisfiable else "no"
+        verdict = "unknown" if solved.satisfiable is None else verdict
         if verdict == "no" and kind == "alone" and not self._problem.guest and within >= self._longest:
             self._hopeless = f"{self._longest} steps were refuted by the solver; {self._longest_text}"
         easiest = None
@@ -135,6 +134,7 @@ class Planner:
         told: bool = True,
     ) -> Solved:
         begun = self._clock()
+        self._beat()  # a search that is over at once gives no sign of life, and there may be many of them
         self._reach(question.within)
         if seconds is not None:
             seconds -= self._clock() - begun

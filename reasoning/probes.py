@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from reasoning.ledger import Known, Ledger
 from reasoning.loans import Take
-from reasoning.values import Promises, Question
+from reasoning.values import Promises, Question, steps
 
 
 def probe(ledger: Ledger, wanted: Question, first: Mapping[str, int]) -> Question:
@@ -26,6 +26,16 @@ def probe(ledger: Ledger, wanted: Question, first: Mapping[str, int]) -> Questio
             return between
         low = between
     return wanted
+
+
+def as_planned(plan: Known, takes: Sequence[Take], name: str) -> list[Take]:
+    """Let the team take its robots when its plan does, which may be later: that is easier for those who give them."""
+    late = list(takes)
+    for kind in {take.kind for take in takes if take.taker == name}:
+        mine = [number for number, take in enumerate(takes) if (take.taker, take.kind) == (name, kind)]
+        for number, step in zip(mine, steps(plan.took, kind), strict=False):
+            late[number] = takes[number]._replace(step=step)
+    return late
 
 
 def put_off(
