@@ -114,11 +114,12 @@ class Acting:
         self._thinking = False
         mind, now = self.mind, self.mind.memory
         course = thought.course or recovering.nothing(now.state)
+        late = thought.late and mind.words.deadline(mind.static, now.state) > 0
         with mind.node.journal.transaction():
             for thing in sorted(set(thought.aside) - set(now.aside)):
                 why = thought.aside[thing]
                 mind.emit("set_aside", f"leaves {thing} as it is: {why}", thing=thing, reason=why)
-            if thought.late and not now.late:
+            if late and not now.late:
                 mind.emit("deadline_missed", "cannot meet its deadline, and does what it can", step=now.step)
             if course.steps:
                 recovering.tell_plan(mind, thought, course)
@@ -127,7 +128,7 @@ class Acting:
                 at=0,
                 need=thought.need,
                 aside=thought.aside,
-                late=now.late or thought.late,
+                late=now.late or late,
                 plans=now.plans + bool(course.steps),
             )
             if not course.steps and thought.need is None:

@@ -36,11 +36,11 @@ class Memory(msgspec.Struct, frozen=True):
     `need` the help that is needed after it. `aside` says for each thing that is left as it is why; `late`: the deadline
     does not count any more, `alone`: nobody can help. `stopped` tells where robots were to go that stopped on their
     way, `waited` for how many units they have waited for people, `held` how often they were held up; `never` are ways
-    that were found impossible, `broken` robots that are done without. Nothing is done before `until_s`. `peers` are the
-    other teams in contact (None: the coordinator has not said so yet) as of its message number `told`, `known` all that
-    ever were; `stood` is the cell where the robot stood that helps elsewhere, `offered`: help was offered since it was
-    last asked for. `resting`: there is nothing more to do here; `rest` is the latest report of that, `reported` whether
-    it still holds.
+    that were found impossible, `broken` tells where robots stand that are done without. Nothing is done before
+    `until_s`. `peers` are the other teams in contact (None: the coordinator has not said so yet) as of its message
+    number `told`, `known` all that ever were; `stood` is the cell where the robot stood that helps elsewhere,
+    `offered`: help was offered since it was last asked for. `resting`: there is nothing more to do here; `rest` is the
+    latest report of that, `reported` whether it still holds.
     """
 
     step: int = 0
@@ -57,7 +57,7 @@ class Memory(msgspec.Struct, frozen=True):
     stopped: dict[str, tuple[int, int]] = {}
     waited: int = 0
     held: int = 0
-    broken: tuple[str, ...] = ()
+    broken: dict[str, tuple[float, float]] = {}
     until_s: float = 0.0
     help: Help = Help()
     never: tuple[str, ...] = ()

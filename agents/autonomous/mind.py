@@ -36,13 +36,11 @@ class Mind:
         self.team = setup.team
         self.domain = domains.load(setup.domain)
         self.words = words(self.domain)
-        self.static = dict(setup.static)
         self.memory = memory.load(node.journal)
         self.unit_s = self.domain.data.time["period_s"]
-        self.delay = int(self.static.get("delay", 0))
-        self.thinking = Thinking(self.domain, self.team, self.words, self.static)
+        self.delay = int(setup.static.get("delay", 0))
+        self._furnish()
         self._pool = ThreadPoolExecutor(1)
-        self._ways: Ways | None = None
         self._waiting: dict[str, Callable[[Envelope], None]] = {}
 
     # ------------------------------------------------------------ thinking
@@ -68,6 +66,24 @@ class Mind:
         """Write down what has changed, in the transaction under way if there is one."""
         self.memory = replace(self.memory, **changed)
         memory.save(self.node.journal, self.memory)
+
+    def _furnish(self) -> None:
+        """What is known of the room: its constants, and broken robots, which stand in it like furniture."""
+        names = self.domain.data.geometry
+        self.static = dict(self.setup.static)
+        here, half_cm = self.words.here(self.memory.state), int(self.static[f"{names['radius']}(robot)"])
+        for robot, (x_m, y_m) in self.memory.broken.items():
+            x, y = round(100 * x_m), round(100 * y_m)
+            corners = [(x + i * half_cm, y + j * half_cm) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            self.static[f"{names['solid']}({here},{robot})"] = f"({','.join(f'({a},{b})' for a, b in corners)})"
+        self.thinking = Thinking(self.domain, self.team, self.words, self.static)
+        self._ways: Ways | None = None
+
+    def do_without(self, robots: set[str]) -> None:
+        """These robots are broken, and stay where they are."""
+        where = {robot: self.words.point(self.memory.state, robot) for robot in sorted(robots)}
+        self.keep(broken={**self.memory.broken, **where}, state=without(self.memory.state, robots))
+        self._furnish()
 
     def see(self, seen: State) -> State:
         """What is to be believed after a look."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from agents.autonomous.beliefs import problem_state, without
+from agents.autonomous.beliefs import problem_state
 from agents.autonomous.causes import Cause, causes
 from agents.autonomous.thinking import Course, Thought
 from agents.autonomous.words import Words
@@ -90,6 +90,8 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
         _tell(mind, cause, body.step)
     if begun.purpose == "safe" or any(cause.name not in (*STOPS, "object_appeared") for cause in found):
         mind.keep(course=None, stopped={}, looked=False)
+        if begun.purpose == "safe" and left:
+            mind.wait(1)
     else:
         _stop(mind, left, found)
 
@@ -113,9 +115,8 @@ def _do_without(mind: Mind, begun: Begun, before: Memory) -> None:
     broken = {robot for d in found[:1] for robot in broken_in(d)}
     held = {end[0]: robot for robot in broken if (end := words.held(now.state, robot)) is not None}
     aside = {thing: f"{robot}, which is broken, holds it" for thing, robot in sorted(held.items())}
-    mind.keep(
-        broken=tuple(sorted({*now.broken, *broken})), aside={**now.aside, **aside}, state=without(now.state, broken)
-    )
+    mind.keep(aside={**now.aside, **aside})
+    mind.do_without(broken)
 
 
 def _details(begun: Begun) -> dict[str, dict[str, Value]]:

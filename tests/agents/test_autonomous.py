@@ -173,7 +173,7 @@ def test_a_deadline_that_nobody_can_meet_is_missed_and_named(make: Make) -> None
 
 def test_a_broken_robot_is_done_without(make: Make) -> None:
     home = make({"living": living(NOVEL, ("comics_1", "comics", 1, 3), robots=(("r1", 0, 0), ("r3", 0, 3)))})
-    home.world.before["living", "attach(r1)"] = lambda: setattr(home.world.robots["living.r1"], "broken", True)
+    home.world.robots["living.r1"].broken = True
     assert home.end().goal, home.story()
     assert {"robot_broken", "diagnosis"} <= set(home.kinds("living"))
     assert home.world.things["novel_1"].at[0] == home.world.things["comics_1"].at[0] == 5
