@@ -26,6 +26,7 @@ def begin_follow(truth: Truth, task: Task) -> str:
     if not task.way:
         return "there is no way, or none that can be read"
     if dist(task.way[0], truth.floor.where(task.robot.id)) > START_M:
+        task.felt = "blocked"
         return f"the way does not begin where {task.robot.name} stands"
     return ""
 
@@ -46,7 +47,7 @@ def set_out(truth: Truth, driver: Driver, tasks: Iterable[Task]) -> None:
             trip = driver.set_out(robots, [task.way for task in group], units * truth.period)
         except ValueError as error:
             for task in group:
-                task.failed = str(error)
+                task.failed, task.felt = str(error), "blocked"
             continue
         for task in group:
             task.trip = trip
@@ -56,7 +57,8 @@ def end_follow(truth: Truth, task: Task) -> str:
     assert task.robot is not None
     if task.trip is None or task.trip.outcome == "there":
         return ""
-    if task.trip.outcome == "stopped":
-        return f"{task.robot.name} stopped"
-    task.felt = task.trip.outcome or None
+    if task.robot.broken:
+        return f"{task.robot.name} is broken"
+    # Who carries something with a broken robot cannot move it alone.
+    task.felt = "too_heavy" if task.trip.outcome == "stopped" else task.trip.outcome or None
     return f"{task.robot.name} " + ("cannot move what it holds" if task.felt == "too_heavy" else "was held up")

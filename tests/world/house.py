@@ -93,3 +93,8 @@ class House(Stage):
             assert wish < 1000
             self.now_s = max(wish, self.now_s)
             self.world.advance(self.now_s)
+
+
+def where(stage: House, name: str) -> tuple[float, float]:
+    """In the coordinates of its room."""
+    return stage.world.truth.local(stage.world.truth.things[name])

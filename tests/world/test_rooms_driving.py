@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, dist, hypot, sin
+from math import dist
 
 import pytest
 from hypothesis import given, settings
@@ -11,17 +11,12 @@ from hypothesis import strategies as st
 
 from bus.messages import Executed
 from bus.scene import Solid, Stop
-from tests.world.house import UNIT_S, House, cart, do, go, house, human, pot, room
+from tests.world.house import UNIT_S, House, cart, do, go, house, human, pot, room, where
 from world.plane import away
 from world.ways import Way, read
 
 WARDROBE = Solid("wardrobe", ((3.0, 2.0), (4.2, 1.6), (4.4, 2.3), (3.2, 2.7)), tall=True)
 CORNER_ROUND = ((2.5, 1.5), (4.26, 1.34), (4.55, 1.52), (4.69, 2.38), (4.5, 3.5))
-
-
-def where(stage: House, name: str) -> tuple[float, float]:
-    """In the coordinates of its room."""
-    return stage.world.truth.local(stage.world.truth.things[name])
 
 
 def watched(stage: House, name: str, *calls: object) -> tuple[Executed, list[tuple[float, float]]]:
@@ -85,7 +80,7 @@ def test_what_is_no_way_is_none(text: str) -> None:
 
 def test_a_way_begins_where_the_robot_stands_and_takes_whole_units() -> None:
     stage = House(house(cart("A", "r1", 2, 2)))
-    stage.act("A", go("r1", (3.5, 2.5), (4.5, 2.5), units=1))
+    assert stage.act("A", go("r1", (3.5, 2.5), (4.5, 2.5), units=1)).felt == {"r1": "blocked"}
     stage.act("A", go("r1", (2.5, 2.5), (4.5, 2.5), units=0))
     stage.act("A", go("r9", (2.5, 2.5), (4.5, 2.5), units=1))
     assert stage.reasons() == [
@@ -211,44 +206,3 @@ def test_a_walk_begins_again_and_waits_for_who_is_in_front() -> None:
     assert stage.inject("move", "A.r1", x=7, y=7).accepted
     stage.advance(4.0)
     assert where(stage, "A.anna") == (5.5, 1.5)
-
-
-# ---------------------------------------------------------------- heavy things
-def test_one_robot_cannot_drag_a_heavy_thing_and_two_can() -> None:
-    stage = House(house(cart("A", "r1", 2, 2), cart("A", "r2", 3, 2), pot("A", "chest", 2, 2, "(3,2)")))
-    stage.act("A", do("take", "r1", what="grip(chest,1)"))
-    for goal in ((2.5, 4.5), (0.5, 2.5), (4.5, 2.5)):
-        assert stage.act("A", go("r1", (2.5, 2.5), goal, units=1)).felt["r1"] in ("too_heavy", "blocked")
-        assert dist(where(stage, "A.chest"), (2.5, 2.5)) < 0.002
-    told = stage.act("A", do("take", "r2", what="grip(chest,2)"))
-    assert (told.state["holds(r1)"], told.state["holds(r2)"]) == ("grip(chest,1)", "grip(chest,2)")
-    told = stage.act("A", go("r1", (2.5, 2.5), (2.5, 4.5), units=1), go("r2", (3.5, 2.5), (3.5, 4.5), units=1))
-    assert told.felt == {}
-    assert (told.state["at(chest)"], told.state["end(chest)"]) == ("(2,4)", "(3,4)")
-    turned = [(2.5 + cos(k / 20), 4.5 + sin(k / 20)) for k in range(31)]
-    told = stage.act(
-        "A",
-        go("r1", *[(2.5, 4.5)] * 32, units=2),
-        go("r2", *turned, (2.5, 5.5), units=2),
-    )
-    assert told.felt == {}
-    assert (told.state["at(chest)"], told.state["end(chest)"]) == ("(2,4)", "(2,5)")
-    assert stage.world.truth.floor.end("A.chest", 2) == pytest.approx((2.5, 5.5))
-    told = stage.act("A", do("drop", "r1"), do("drop", "r2"))
-    assert (told.state["holds(r1)"], told.state["holds(r2)"]) == ("none", "none")
-
-
-def test_two_that_do_not_drive_together_do_not_drive() -> None:
-    bodies = cart("A", "r1", 2, 2), cart("A", "r2", 3, 2), pot("A", "chest", 2, 2, "(3,2)")
-    stage = House(house(*bodies))
-    stage.act("A", do("take", "r1"), do("take", "r2"))
-    stage.act("A", go("r1", (2.5, 2.5), (2.5, 4.5), units=1), go("r2", (3.5, 2.5), (4.5, 3.5), units=1))
-    stage.act("A", go("r1", (2.5, 2.5), (2.5, 4.5), units=1), go("r2", (3.5, 2.5), (3.5, 3), (3.5, 4.5), units=1))
-    told = stage.act("A", go("r1", (2.5, 2.5), (2.5, 4.5), units=1))
-    assert told.felt == {"r1": "too_heavy"}
-    assert stage.reasons() == [
-        *["the ways do not keep a metre apart"] * 2,
-        *["the ways differ in their number of points"] * 2,
-        "r1 cannot move what it holds",
-    ]
-    assert hypot(*(a - b for a, b in zip(where(stage, "A.chest"), (2.5, 2.5), strict=True))) < 0.002
