@@ -1,6 +1,7 @@
 """What must have been true all through a run, checked on its recording. Shares nothing with the code that runs.
 
-1. Every robot is in exactly one team or on the bench, and changes teams by way of the bench.
+1. Every robot is in exactly one team or on the bench, and changes teams by way of the bench, where it is as long as
+   transport takes.
 2. No work is done twice, skipped, undone or lost: an object's stage rises by one at a time, by an action of its team
    (or a person changed it), and no object appears or vanishes but by an order.
 3. No command takes effect twice.
@@ -41,6 +42,8 @@ def robots(recording: Recording, scene: Scene) -> Iterator[str]:
     known = {e.id for e in scene.entities if scene.kinds[e.kind].role == "robot"}
     places = {w.team for w in scene.workspaces} | {BENCH}
     before: dict[str, str] = {}
+    left: dict[str, tuple[str, int]] = {}
+    delays = {(t.giver, t.taker): t.steps for t in scene.transports}
     for data in _world(recording, "membership"):
         step, now = data.get("step"), _pairs(data.get("robots"))
         for robot in sorted(known - now.keys()):
@@ -57,6 +60,15 @@ def robots(recording: Recording, scene: Scene) -> Iterator[str]:
                 yield f"step {step}: robot {robot} is in {place!r}, which is neither a team nor the bench"
             elif place != was and BENCH not in (place, was):
                 yield f"step {step}: robot {robot} went from {was} to {place} without having been on the bench"
+            elif place != was and isinstance(step, int):
+                if place == BENCH:
+                    left[robot] = was, step
+                elif robot in left:
+                    giver, since = left[robot]
+                    least = delays.get((giver, place), scene.transport_delay_steps)
+                    if step - since < least:
+                        early = f"{count(step - since, 'step')} after {giver} gave it, not {least}"
+                        yield f"step {step}: robot {robot} came to {place} {early}"
             before[robot] = place
     for envelope in recording.frames:
         if isinstance(envelope.body, Frame):

@@ -70,20 +70,16 @@ class PlanFile:
     tells_exchanges: bool = True
 
     def given(self) -> GivenPlan:
-        """As the coordinator is told it. A robot's built name is the giver's name of it, which holds for one loan."""
-        exchanges = tuple(
-            Exchange(
-                loan.worker,
-                f"{loan.from_}.{loan.worker}",
-                loan.from_,
-                loan.give_step,
-                loan.to,
-                loan.take_step,
-                loan.as_,
+        """As the coordinator is told it. A robot has the name it was built with: the giver's, unless it came there."""
+        built: dict[tuple[str, str], str] = {}
+        exchanges = []
+        for loan in sorted(self.loans, key=lambda loan: loan.take_step):
+            robot = built.get((loan.from_, loan.worker), f"{loan.from_}.{loan.worker}")
+            built[loan.to, loan.as_] = robot
+            exchanges.append(
+                Exchange(loan.worker, robot, loan.from_, loan.give_step, loan.to, loan.take_step, loan.as_)
             )
-            for loan in self.loans
-        )
-        return GivenPlan(dict(self.teams), exchanges)
+        return GivenPlan(dict(self.teams), tuple(exchanges))
 
 
 def read_plan(path: Path) -> PlanFile:

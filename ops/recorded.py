@@ -18,7 +18,8 @@ from bus.scene import Scene
 from ops.recording import Recording
 from reasoning.checker import Break, Exchange, examine
 from reasoning.domain import Domain, load
-from reasoning.values import Violation
+from reasoning.prospects import prospects
+from reasoning.values import Problem, Violation
 
 PERSONS = ("move", "set", "order", "cancel")
 BENCH = "bench"
@@ -30,13 +31,15 @@ class _TeamFile(msgspec.Struct):
 
 @dataclass
 class Story:
-    """The world's story in its own order. `faults` are kept by the step that begins after them."""
+    """The world's story in its own order. `faults` are kept by the step that begins after them. `loans` have the name
+    that the robot was built with."""
 
     actions: dict[int, dict[str, tuple[str, ...]]] = field(default_factory=dict)
     states: dict[int, dict[str, State]] = field(default_factory=dict)
     persons: set[int] = field(default_factory=set)
     broken: list[tuple[str, str, int]] = field(default_factory=list)
-    loans: list[Exchange] = field(default_factory=list)
+    loans: list[tuple[str, Exchange]] = field(default_factory=list)
+    kinds: dict[str, str] = field(default_factory=dict)
     goal: bool = False
 
 
@@ -61,6 +64,8 @@ def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violati
     last = max(run.actions, default=-1)
     found: list[Violation] = []
     state = {workspace.team: initial(scene, workspace.team) for workspace in scene.workspaces}
+    for team, start in state.items():
+        run.kinds |= {f"{team}.{robot}": kind for robot, kind in _owned(domain, static, start).items()}
     first = 0
     for end in [*sorted(run.persons), last + 1]:
         if first < end:
@@ -69,6 +74,11 @@ def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violati
             state |= run.states.get(step, {})
         first = max(first, end + 1)
     return found
+
+
+def _owned(domain: Domain, static: Mapping[str, Value], start: State) -> Mapping[str, str]:
+    """A team's robots and their kinds, where robots change teams."""
+    return prospects(Problem(domain.name, static, start)).owns if domain.data.exchanged else {}
 
 
 def _segment(
@@ -85,12 +95,20 @@ def _segment(
     plan = {team: tuple(run.actions.get(step, {}).get(team, ()) for step in range(first, end)) for team in state}
     breaks, known = _broken(domain, run, plan, first, end)
     states = {team: {**values, **known.get(team, {})} for team, values in state.items()}
+    came = [(robot, x) for robot, x in run.loans if first <= x.take_step < end]
     loans = [
-        x._replace(give_step=x.give_step - first, take_step=x.take_step - first)
-        for x in run.loans
-        if first <= x.take_step < end
+        # A team may have its own robot back from the bench, when what it was given for is not so any more.
+        x._replace(
+            give_step=x.give_step - first, take_step=x.take_step - first, giver=robot if x.giver == x.taker else x.giver
+        )
+        for robot, x in came
     ]
-    for violation in examine(domain, static, states, plan, exchanges=loans, breaks=breaks).violations:
+    kinds: dict[str, dict[str, str]] = {team: {} for team in state}
+    for robot, x in came:
+        if robot in run.kinds:
+            kinds[x.taker][x.known_as] = run.kinds[robot]
+    verdict = examine(domain, static, states, plan, exchanges=loans, breaks=breaks, kinds=kinds)
+    for violation in verdict.violations:
         if violation.step < end - first or (over and run.goal):
             yield Violation(violation.team, violation.step + first, violation.action, violation.rule, violation.text)
 
@@ -172,7 +190,7 @@ def story(recording: Recording, scene: Scene) -> Story:
                     given[robot] = (was, known_as, step)
                 elif was == BENCH and place != BENCH and robot in given:
                     giver, worker, give_step = given.pop(robot)
-                    run.loans.append(Exchange(worker, giver, give_step, place, step, name))
+                    run.loans.append((robot, Exchange(worker, giver, give_step, place, step, name)))
                 places[robot] = (place, name)
     run.goal = any(
         isinstance(e.body, Event) and e.body.kind == "run_over" and e.body.data.get("goal") is True

@@ -133,7 +133,8 @@ def _recorded(path: Path) -> Subject:
         seen[step] = {**seen.get(step - 1, first), **run.states.get(step, {})}
     odd, findings, broken = _surprises(recording)
     domain = load_domain(scene.domain)
-    return Subject(path.name, domain, static, first, teams, tuple(run.loans), None, seen, odd, findings, broken)
+    loans = tuple(exchange for _, exchange in run.loans)
+    return Subject(path.name, domain, static, first, teams, loans, None, seen, odd, findings, broken)
 
 
 Findings = dict[tuple[str, int], dict[str, str]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -16,8 +17,8 @@ ENDLESS = 1 << 30
 class Prospects(NamedTuple):
     """`hopeless` says why the goal can never be reached, even with guests ("": nothing speaks against it). No plan has
     fewer than `bound` steps in any role, none needs more than `longest`, each for a reason. The shortest plan may well
-    have `likely` steps, which is no more than a good place to begin a search. `stock` are the team's own robots that
-    can be lent without the published limits, by kind."""
+    have `likely` steps, which is no more than a good place to begin a search. `owns` are the kinds of the team's own
+    robots that can be lent without the published limits, by name."""
 
     hopeless: str
     bound: int
@@ -25,14 +26,19 @@ class Prospects(NamedTuple):
     longest: int
     why_longest: str
     likely: int
-    stock: Mapping[str, int]
+    owns: Mapping[str, str]
+
+    @property
+    def stock(self) -> Mapping[str, int]:
+        """So many of them are there, by kind."""
+        return Counter(self.owns.values())
 
 
 def prospects(problem: Problem) -> Prospects:
     """Derived, not searched for."""
     (model,) = models([load(problem.domain).program("prospects")], facts(problem))
     reasons, bounds, longest = [], [(0, "no step is needed at least")], [(ENDLESS, "")]
-    stock: dict[str, int] = {}
+    owns: dict[str, str] = {}
     likely = 0
     for atom in model.atoms:
         match atom:
@@ -44,9 +50,9 @@ def prospects(problem: Problem) -> Prospects:
                 bounds.append((steps, f"{steps} steps are needed at least: {_worded(str(text), str(args))}"))
             case Atom("likely", (int(steps),)):
                 likely = max(likely, steps)
-            case Atom("stock", (kind, int(number))):
-                stock[str(kind)] = number
-    return Prospects("; ".join(reasons), *max(bounds), *min(longest), max(likely, *max(bounds)[:1]), stock)
+            case Atom("owns", (robot, kind)):
+                owns[str(robot)] = str(kind)
+    return Prospects("; ".join(reasons), *max(bounds), *min(longest), max(likely, *max(bounds)[:1]), owns)
 
 
 def _worded(text: str, args: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.text import Text
 
+from bus.messages import Exchange
 from ops.dashboard import words
 from ops.dashboard.floor import bodies, floor, progress, robot
 from ops.dashboard.model import Model
@@ -15,11 +16,14 @@ from reasoning.words import count
 def bench(model: Model, width: int) -> Text:
     """Who is on the bench, and which robots are lent or will be."""
     everybody = bodies(model)
-    loans = {e.robot: e for s in model.statuses.values() for e in s.exchanges}
+    loans: dict[str, Exchange] = {}  # of a robot that is passed on, the one that is next
+    for loan in sorted((e for s in model.statuses.values() for e in s.exchanges), key=lambda e: e.take_step):
+        if loan.robot not in loans or loans[loan.robot].take_step <= model.step:
+            loans[loan.robot] = loan
     there: list[Text] = []
     for body in (b for b in everybody if b.place == "bench"):
-        loan = loans.pop(body.id, None)
-        where = f" under way {loan.giver}→{loan.taker}, there at step {loan.take_step}" if loan else " waits"
+        due = loans.pop(body.id) if body.id in loans else None
+        where = f" under way {due.giver}→{due.taker}, there at step {due.take_step}" if due else " waits"
         there.append(joined(robot(model, body), (where, "cyan")))
     home = {b.id: b.place for b in everybody}
     lent: list[Text] = []

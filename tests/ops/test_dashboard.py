@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from time import process_time
 
@@ -11,6 +12,7 @@ from rich.cells import cell_len
 
 from bus.messages import Beat, BodyFrame, Envelope, Event, Exchange, Frame, Status
 from ops.dashboard import Model, render, update
+from ops.dashboard.panels import bench
 from ops.dashboard.screen import focused, split_keys
 from ops.dashboard.text import clean, wrapped
 from tests.ops.pictures import folded, picture
@@ -238,3 +240,23 @@ def test_drawing_is_quick() -> None:
     for _ in range(10):
         render(model, 160, 50)
     assert (process_time() - start_s) / 10 < 0.033
+
+
+def test_several_robots_are_under_way_and_one_that_is_passed_on_has_its_next_way() -> None:
+    model = made_up(4, 12)
+    coordinator = model.coordinator
+    assert coordinator is not None
+    assert model.frame is not None
+    exchanges = (
+        Exchange("w3", "T2.w3", "T2", 3, "T1", 5, "w2"),
+        Exchange("w2", "T2.w3", "T1", 11, "T2", 14, "w4"),
+        Exchange("w1", "T3.w1", "T3", 11, "T4", 13, "w2"),
+    )
+    status = msgspec.structs.replace(coordinator, exchanges=exchanges)
+    bodies = tuple(
+        msgspec.structs.replace(b, place="bench") if b.id in ("T2.w3", "T3.w1") else b for b in model.frame.bodies
+    )
+    frame = msgspec.structs.replace(model.frame, bodies=bodies)
+    text = bench(replace(model, statuses={**model.statuses, "coordinator": status}, frame=frame, step=12), 160).plain
+    assert "under way T1→T2, there at step 14" in text
+    assert "under way T3→T4, there at step 13" in text

@@ -10,6 +10,7 @@ import msgspec
 import pytest
 
 from bus.messages import Beat, Envelope, Event, Frame
+from bus.scene import Transport
 from ops.invariants import check
 from ops.recording import Recording, SourceCount
 from tests.ops.synthetic import recording, summary_of
@@ -138,3 +139,11 @@ def test_a_sign_of_life_that_tells_of_more_events_is_believed() -> None:
 def test_an_empty_recording_is_not_called_good() -> None:
     assert check(Recording()) == ["the recording has no events"]
     assert any("no scene" in s for s in check(replace(GOOD, scene=None)))
+
+
+def test_a_robot_that_comes_before_its_transport_can_be_over() -> None:
+    """In the good recording T2's robot is on its way to T1 for two steps."""
+    scene = GOOD.scene
+    assert scene is not None
+    slow = replace(GOOD, scene=msgspec.structs.replace(scene, transports=(Transport("T2", "T1", 3),)))
+    assert check(slow) == ["step 13: robot T2.w3 came to T1 2 steps after T2 gave it, not 3"]
