@@ -102,18 +102,17 @@ class Driver:
             self._ease(trip, not trip.outcome)
 
     def end(self, trip: Trip) -> None:
-        """It is over: who got there stands exactly where it was to go, with what it holds."""
-        if trip.outcome == "there":
-            places = self._ways[id(trip)].places[-1]
-            for name, at in zip(trip.robots, places, strict=True):
-                self._floor.put(name, at)
-                robot = self._truth.things[name]
+        """It is over: who got there, and is still there, stands exactly where it was to go, with what it holds."""
+        places, robots = self._ways[id(trip)].places[-1], [self._truth.things[name] for name in trip.robots]
+        if trip.outcome == "there" and self._lag_m(robots, places) < 2 * SETTLED_M:
+            for robot, at in zip(robots, places, strict=True):
+                self._floor.put(robot.id, at)
                 thing = self._truth.things.get(robot.partner)
                 if thing is not None and not thing.heavy:
                     self._floor.put(thing.id, at)
-                elif thing is not None and robot.end == 1:
-                    other = places[1 - trip.robots.index(name)]
-                    self._floor.put(thing.id, at, atan2(other[1] - at[1], other[0] - at[0]))
+            if trip.load and robots[0].partner == robots[1].partner == trip.load:
+                (x_m, y_m), (east_m, north_m) = places
+                self._floor.put(trip.load, places[0], atan2(north_m - y_m, east_m - x_m))
         self.trips.remove(trip)
         del self._ways[id(trip)]
 

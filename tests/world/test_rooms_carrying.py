@@ -62,3 +62,19 @@ def test_who_carries_with_a_robot_that_breaks_feels_the_weight() -> None:
     told = stage.ended(command)
     assert told.felt == {"r1": "too_heavy"}
     assert told.state["holds(r1)"] == "grip(chest,1)"
+
+
+def test_who_stays_where_it_is_with_a_heavy_thing_has_got_there() -> None:
+    stage = House(house(cart("A", "r1", 2, 2), pot("A", "chest", 2, 2, "(3,2)")))
+    stage.act("A", do("take", "r1"))
+    assert stage.act("A", go("r1", (2.5, 2.5), (2.5, 2.5), units=1)).felt == {}
+
+
+def test_who_was_carried_off_when_it_had_arrived_is_not_put_back() -> None:
+    stage = House(house(cart("A", "r1", 0, 0), cart("A", "r2", 0, 7)))
+    command = stage.command("A", go("r1", (0.5, 0.5), (1.5, 0.5), units=1), go("r2", (0.5, 7.5), (7.5, 7.5), units=4))
+    stage.deliver(command)
+    stage.now_s += 5.0
+    stage.world.advance(stage.now_s)
+    assert stage.inject("move", "A.r1", x=4, y=4).accepted
+    assert stage.ended(command).state["at(r1)"] == "(4,4)"
