@@ -72,7 +72,7 @@ def test_compiled_files_say_no_more_than_a_process_may_know(name: str, tmp_path:
     assert {entity.team for entity in scene.entities} == set(compiled.teams)
     assert len(scene.faults) == len(compiled.scenario.faults)
     coordinator = json.loads((tmp_path / "coordinator.json").read_text())
-    assert coordinator == {"teams": list(compiled.teams), "delay": 2, "plan": None}
+    assert coordinator == {"teams": list(compiled.teams), "delay": 2, "plan": None, "conducted": True}
     for team in compiled.teams:
         told = json.loads((tmp_path / f"{team}.json").read_text())
         assert set(told) == {"domain", "team", "static", "conflicts"}
