@@ -72,7 +72,7 @@ def judge(
     if verdict.makespan_at_most is not None:
         conditions.append(_makespan(verdict.makespan_at_most, makespan, goal))
     if verdict.optimal is not None:
-        conditions.append(_optimal(verdict.optimal, [event for _, event in said if "proof" in event.data]))
+        conditions.append(_optimal(verdict.optimal, [event for _, event in said if _is_plan(event)]))
     for pattern in verdict.eventually:
         first = next((event for source, event in said if matches(pattern, source, event)), None)
         conditions.append(
@@ -107,6 +107,11 @@ def written(pattern: Mapping[str, Any]) -> str:
 
 def _makespan(limit: int, makespan: int, goal: bool) -> Condition:
     return Condition(f"makespan at most {limit}", goal and makespan <= limit, count(makespan, "step"))
+
+
+def _is_plan(event: Event) -> bool:
+    """A shared plan, or the plan of a team that acts for itself."""
+    return event.kind == "shared_plan" or (event.kind == "plan_adopted" and "status" in event.data)
 
 
 def _optimal(wanted: bool, plans: Sequence[Event]) -> Condition:
