@@ -3,6 +3,7 @@ than the published scheme."""
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from ops import shares
 from ops.compile import compile_scenario, start
 from ops.planning import solve
 from ops.scenario import Scenario, parse
+from ops.scenario import load as load_scenario
 from reasoning.domain import load
 from reasoning.solver import Program
 
@@ -24,6 +26,8 @@ W1 = {"name": "w1", "at": [1, 1], "effector": 1}
 TOP = {"name": "w1", "at": [1, 2], "effector": 1}
 C1 = {"name": "c1", "at": [1, 1]}
 PATIENT = 30
+AGREEING = (1, 3, 5, 9, 10, 24, 28)
+NOT_BACK = Path(__file__).with_name("joint_not_back.lp")
 
 
 def team(boxes: int, *workers: dict[str, Any], carrier: dict[str, Any] | None = C1) -> dict[str, Any]:
@@ -42,8 +46,8 @@ def scenario(*teams: dict[str, Any], width: int = 2, sharing: str = "general", *
     return parse(table, Path("test.toml"))
 
 
-def joint(given: Scenario) -> int | None:
-    """The least makespan by one program for all teams; None: more than `PATIENT`."""
+def joint(given: Scenario, patient: int = PATIENT, *more: Path) -> int | None:
+    """The least makespan by one program for all teams, to which `more` may be added; None: more than `patient`."""
     setup = start(given)
     facts = [f"static({key},{value})." for key, value in setup.static.items()]
     for name, problem in shares.problems(load(DOMAIN), setup).items():
@@ -51,8 +55,8 @@ def joint(given: Scenario) -> int | None:
         facts += [f'name({small},"{name}").', *(f"init({small},{f},{v})." for f, v in problem.state.items())]
         facts += [f"guest({small},{guest},{kind})." for guest, kind in problem.guests]
         facts += [f"guest({small},{guest})." for guest, kind in problem.guests if kind != "carrier"]
-    program = Program([*MONOLITH, Path(__file__).with_name("joint_share.lp")], facts)
-    for within in range(PATIENT + 1):
+    program = Program([*MONOLITH, Path(__file__).with_name("joint_share.lp"), *more], facts)
+    for within in range(patient + 1):
         program.ground(("step", (within,)) if within else ("base", ()))
         if program.solve([("last", (t,), t == within) for t in range(within + 1)]).satisfiable:
             return within
@@ -110,3 +114,40 @@ def test_under_the_published_limits_nobody_is_told_of_kinds() -> None:
     files = compile_scenario(scenario(team(1, TOP), HELPER, sharing="published")).files
     assert msgspec.convert(files["coordinator"], CoordinatorSetup).market() is None
     assert not msgspec.convert(files["T1"], TeamSetup).guests
+
+
+def drawn(seed: int) -> Scenario:
+    """Two or three teams with a box or two in all, some of whose workers cannot be re-tooled, some with carriers."""
+    dice = random.Random(seed)
+    numbers = dice.choice([(1, 0), (1, 1), (1, 0, 0)])
+
+    def worker(cell: tuple[int, int]) -> dict[str, Any]:
+        return {"name": "", "at": list(cell), "effector": dice.randint(1, 3), "fixed": dice.choice([0, 0, 1])}
+
+    teams = []
+    for boxes in numbers:
+        cells = dice.sample([(1, 1), (1, 2), (2, 1), (2, 2)], dice.randint(0, 2))
+        teams.append(team(boxes, *map(worker, cells), carrier=C1 if dice.random() < 0.5 else None))
+    pair = {"from": "T1", "to": "T2", "steps": dice.randint(1, 3)}
+    return scenario(*teams, delay=dice.randint(1, 2), most=1, delays=[pair])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", AGREEING)
+def test_drawn_problems_have_the_optimum_of_one_program_for_all_teams(seed: int) -> None:
+    """With dominance, bounds and questions on the one side, a plain program on the other."""
+    given = drawn(seed)
+    found = solve(given, lambda _: None)
+    assert found.status == "optimal"
+    assert found.makespan == joint(given, found.makespan)
+
+
+@pytest.mark.slow
+def test_without_giving_back_all_would_take_longer() -> None:
+    """T1 lends its waxer and its stamper, borrows the painter, and has both back: the least of all there is."""
+    given = load_scenario("factory/given_back")
+    best = solve(given, lambda _: None)
+    roles = {(x["from"], x["to"]) for x in best.exchanges}
+    assert roles == {("T1", "T2"), ("T2", "T1")}
+    assert sorted(int(x["take_step"]) for x in best.exchanges if x["to"] == "T1") == [4, 8, 12]
+    assert joint(given, best.makespan, NOT_BACK) is None
