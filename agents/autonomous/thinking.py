@@ -30,6 +30,8 @@ DOOR_UNITS = 4
 CONFLICTS = 20_000
 """At most so many conflicts for all steps of a search: within a deadline that cannot be met it would go on for ever."""
 GUEST = "guest"
+OWN = 1000
+"""Constants that a team adds are numbered from here, apart from those of the scenario."""
 
 
 class Course(msgspec.Struct, frozen=True):
@@ -69,6 +71,7 @@ class Thinking:
 
     def __init__(self, domain: Domain, team: str, words: Words, static: Mapping[str, Value]) -> None:
         self._domain, self._team, self._words = domain, team, words
+        self._names = domain.data.autonomy
         self._static = dict(static)
         self.never: tuple[str, ...] = ()
         """Ways (robot, from, to) that were found impossible."""
@@ -98,7 +101,7 @@ class Thinking:
             return self.consider(state, left, helped=helped, late=late)
         if not late and guest and words.deadline(self._static, now):
             arrival = words.now(now) + self._delay + DOOR_UNITS
-            there = {**static, f"away({words.here(now)},0)": f"({GUEST},{arrival})"}
+            there = {**static, f"{self._names['away']}({words.here(now)},0)": f"({GUEST},{arrival})"}
             found = self._attempt(there, {**now, **guest}, left)
             if found is not None:
                 units = max(words.now(found[0].states[-1]) - arrival, 1)
@@ -112,7 +115,7 @@ class Thinking:
         """The plan with a guest that does nothing before `arrival`, in units since the run began; within the deadline
         if that is possible."""
         now = problem_state(self._words, state)
-        away: dict[str, Value] = {f"away({self._words.here(now)},0)": f"({GUEST},{arrival})"}
+        away: dict[str, Value] = {f"{self._names['away']}({self._words.here(now)},0)": f"({GUEST},{arrival})"}
         for static in (self._static, self._loose(now)):
             found = self._attempt({**static, **away}, {**now, **self._stands(GUEST, at)}, aside)
             if found is not None:
@@ -127,7 +130,8 @@ class Thinking:
         here, singles = self._words.here(now), len(self._misplaced(now, left)) - len(heavy)
         first = 4 * -(-singles // max(len(self._words.robots(now)), 1))
         for last in LAST_STEPS:
-            limits = {f"late({here},{n})": f"({b},{last})" for n, b in enumerate([*heavy, GUEST], 1000)}
+            names = enumerate([*heavy, GUEST], OWN)
+            limits = {f"{self._names['late']}({here},{n})": f"({b},{last})" for n, b in names}
             found = self._attempt({**static, **limits}, {**now, **guest}, left, first + last)
             if found is None:
                 continue
@@ -204,8 +208,9 @@ class Thinking:
     # ------------------------------------------------------------ searching
     def _problem(self, static: Mapping[str, Value], now: State, left: Mapping[str, str]) -> Problem:
         here = self._words.here(now)
-        asides = {f"leave({here},{number})": thing for number, thing in enumerate(sorted(left))}
-        barred = {f"never({here},{number})": way for number, way in enumerate(self.never, 1000)}
+        leave, never = self._names["leave"], self._names["never"]
+        asides = {f"{leave}({here},{number})": thing for number, thing in enumerate(sorted(left))}
+        barred = {f"{never}({here},{number})": way for number, way in enumerate(self.never, OWN)}
         return Problem(self._domain.name, {**static, **asides, **barred}, now)
 
     def _attempt(

@@ -33,7 +33,6 @@ class Words(msgspec.Struct, frozen=True):
     room: str
     area: str
     most: str
-    prefix: str
     go: str
     take: str
     free: str
@@ -145,7 +144,6 @@ def words(domain: str | Domain) -> Words:
         room=data.geometry["room"],
         area=data.geometry["area"],
         most=data.costs["most"],
-        prefix=robot["prefix"],
         go=action("follow"),
         take=action("grasp"),
         free=action("release"),
