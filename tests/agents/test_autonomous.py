@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from bus.messages import Order
 from tests.agents.house import Home, Thing
 
 Make = Callable[..., Home]
@@ -185,3 +186,13 @@ def test_without_a_robot_that_works_everything_is_left_and_named(make: Make) -> 
     over = home.end()
     assert not over.goal
     assert "no robot is left that works" in over.reason
+
+
+def test_a_changed_order_has_a_team_at_rest_look_again(make: Make) -> None:
+    home = make({"living": living(NOVEL, **TO_KITCHEN), "kitchen": kitchen(*BUSY[:2])})
+    home.until(lambda: "team_finished" in home.kinds("living"))
+    assert home.over is None
+    home.world.things["comics_1"] = Thing("living", "comics_1", "comics", (2, 1))
+    home.world.node.request("coordinator", Order("living", ("comics_1",)))
+    assert home.end().goal
+    assert home.world.things["comics_1"].at[0] == 5

@@ -107,3 +107,9 @@ def test_messages_are_summed_over_lives() -> None:
 )
 def test_patterns_match_subsets(pattern: dict[str, Any], expected: bool) -> None:
     assert matches(pattern, "world", Event("order", {"added": ("3", "4"), "nested": {"a": (1,)}})) is expected
+
+
+@pytest.mark.parametrize(("status", "code"), [("optimal", 0), ("feasible", 1)])
+def test_plans_of_teams_that_act_for_themselves_are_judged_like_shared_ones(status: str, code: int) -> None:
+    plans = (event("kitchen", "plan_adopted", status="optimal"), event("bedroom", "plan_adopted", status=status))
+    assert judge(Verdict(optimal=True), plans, OVER).exit_code == code
