@@ -142,6 +142,7 @@ def test_two_teams_that_ask_each_other_help_each_other(make: Make) -> None:
 BUSY = [(f"mug_{n}", "mug", x, y) for n, (x, y) in enumerate([(1, 3), (2, 3), (3, 3), (3, 0)])]
 
 
+@pytest.mark.slow
 def test_who_finds_nobody_offers_help_and_is_helped_back(make: Make) -> None:
     """The kitchen's deadline leaves no time for others; with help it is done earlier."""
     teams = {"living": living(RUG, **TO_KITCHEN), "kitchen": kitchen(*BUSY, deadline=24)}
@@ -154,6 +155,7 @@ def test_who_finds_nobody_offers_help_and_is_helped_back(make: Make) -> None:
     assert "deadline_missed" not in home.kinds()
 
 
+@pytest.mark.slow
 def test_a_deadline_that_can_be_met_with_help_only(make: Make) -> None:
     far = {"width": 9, "deposit": [8, 8, 0, 3], "deadline": 20}
     teams = {"living": living(("novel_1", "novel", 4, 2), **TO_KITCHEN), "kitchen": kitchen(*BUSY[:3], **far)}

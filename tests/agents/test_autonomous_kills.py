@@ -43,6 +43,7 @@ def home(path: Path) -> Home:
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["living", "kitchen", "coordinator"])
 def test_a_process_may_be_killed_at_any_moment(name: str, tmp_path: Path) -> None:
     whole = home(tmp_path / "whole")
@@ -61,6 +62,7 @@ def test_a_process_may_be_killed_at_any_moment(name: str, tmp_path: Path) -> Non
         run.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["living", "kitchen"])
 def test_a_team_may_be_out_of_contact_for_a_while(name: str, tmp_path: Path) -> None:
     for moment_s in (1.0, 16.0, 31.0, 45.0):

@@ -145,6 +145,7 @@ def carried(state: m.State) -> Course:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("state", "waits"), STATES)
 def test_what_is_carried_over_is_true(state: m.State, waits: int) -> None:
     """As under the published limits: after any number of the plan's steps, a planner that knows nothing of the past

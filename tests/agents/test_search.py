@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 from typing import Literal
 
+import pytest
+
 from agents.search import Search
 from bus import messages as m
 from bus.messages import Handover
@@ -82,6 +84,7 @@ def test_a_single_team_has_nobody_to_borrow_from_unless_a_robot_waits_on_the_ben
     assert (asked.makespan, asked.loans) == (4, (Loan("T1.w1", "T1"),))
 
 
+@pytest.mark.slow
 def test_a_bound_that_was_shown_never_falls_during_a_search() -> None:
     """Answers that leave a question open can send the search back to a horizon below one that was refuted."""
     fell = [seed for seed in range(30, 48) if (shown := bounds(random.Random(seed))) != sorted(shown)]

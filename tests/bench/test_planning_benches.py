@@ -19,6 +19,7 @@ def test_medians_and_ranges_of_seconds_and_the_first_of_what_does_not_change() -
     assert summary(runs) == {"wall_s": 2.0, "wall_s_range": [1.0, 5.0], "steps": 3, "runs": 3}
 
 
+@pytest.mark.slow
 def test_plans_beside_the_reference() -> None:
     result = plan.run(QUICK)
     assert [(row["workers"], row["boxes"]) for row in result["teams"]] == [(1, 1), (2, 1)]
@@ -61,6 +62,7 @@ def test_a_drawn_team_is_the_same_in_every_size_and_every_fourth_has_one_worker(
     assert [count == 1 for count in workers] == [n % 4 == 0 for n in range(9)]
 
 
+@pytest.mark.slow
 def test_tables_and_json_come_from_the_command_line() -> None:
     command = [sys.executable, "-m", "ops.cli", "bench", "plan", "--quick", "--runs", "1", "--only", "planner"]
     table = subprocess.run(command, capture_output=True, text=True, check=True)

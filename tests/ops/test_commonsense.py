@@ -115,6 +115,7 @@ def test_hostile_lines_never_become_anything_but_facts(
     assert built.skipped <= built.lines
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_file(tmp_path: Path) -> None:
     def peak(lines: int) -> int:
         source = tmp_path / "a.csv.gz"

@@ -86,6 +86,7 @@ def test_a_budget_is_kept(capsys: pytest.CaptureFixture[str]) -> None:
     assert 4.5 <= told["seconds"] <= 5.5
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_tells_its_best_plan_the_bound_and_the_gap() -> None:
     heard: list[str] = []
     plan = solve(load("factory/broken_worker", LENDING), heard.append, stop=lambda: "are known" in "".join(heard))

@@ -92,6 +92,7 @@ def test_a_run_from_start_to_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert listing() == []
 
 
+@pytest.mark.slow
 def test_a_run_that_is_over_before_its_recorder_has_opened_is_recorded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -111,6 +112,7 @@ def test_a_run_that_is_over_before_its_recorder_has_opened_is_recorded(
     assert {event.src for event in recording.events} >= {"world", "coordinator", "supervisor"}
 
 
+@pytest.mark.slow
 def test_a_fault_on_a_process_is_carried_out_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # The world asks for T1 to be killed; the coordinator waits for that, and for a recorder, before it ends the run.
     stand_ins(monkeypatch, OVER_AFTER_THE_RESTART)
@@ -130,6 +132,7 @@ def test_a_coordinator_that_never_ends_meets_the_limit(tmp_path: Path, monkeypat
     assert not any(alive(pid) for pid in outcome.pids)
 
 
+@pytest.mark.slow
 def test_a_process_that_keeps_dying_ends_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -159,6 +162,7 @@ sys.exit(main(["run", "factory/team_killed", "--headless", "--record", sys.argv[
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_interrupting_leaves_nobody_behind(tmp_path: Path, number: signal.Signals) -> None:
     script = RUN.format(code=STAND_IN.replace("LAST", "pass"))

@@ -44,6 +44,7 @@ def members(part: dict[str, Any]) -> set[str]:
 
 
 # ---------------------------------------------------------------- no plan, none shorter
+@pytest.mark.slow
 def test_why_not_shorter_is_the_question_about_what_has_a_plan(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, *ONE_BOX)
     assert part["claim"] == "T1 cannot finish in 14 steps"

@@ -46,6 +46,7 @@ def test_twenty_robots_and_50_steps(seed: int) -> None:
     assert drawn.truth in [frozenset(broken_in(d)) for d in found]
 
 
+@pytest.mark.slow
 def test_the_published_enumeration_says_the_same_in_short_runs() -> None:
     for seed in range(4):
         case = run(seed, 2, 1, 4, 1 + seed % 2).case

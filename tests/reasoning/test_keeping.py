@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 
+import pytest
 from hypothesis import given, settings
 
 from reasoning.exchanges import advance
@@ -49,6 +50,7 @@ def solve(named: Mapping[str, Team], market: Market, *, keep: bool) -> tuple[Sha
     return step, ledgers
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(DRAWN)
 def test_as_many_plans_are_kept_as_cost_no_step(

@@ -198,6 +198,7 @@ def test_a_carrier_that_nobody_needs_stands_still() -> None:
     assert not [action for action in moved if "c1" in action]
 
 
+@pytest.mark.slow
 def test_a_cancelled_search_is_unknown_and_can_be_asked_again() -> None:
     stop, beats = [True], [0]
 

@@ -28,6 +28,7 @@ SLOW = pytest.mark.slow
 MANY = [pytest.param(seed, marks=SLOW if seed > 5 else ()) for seed in range(24)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2, 11, *(pytest.param(seed, marks=SLOW) for seed in (3, 4, 5, 8, 9))])
 def test_breadth_first_search_finds_the_same_makespans(seed: int) -> None:
     problem = drawn(seed, widths=(2,), most_workers=1 + seed % 2, most_boxes=1 + (seed // 2) % 2)

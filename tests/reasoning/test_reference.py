@@ -85,6 +85,7 @@ def retrograde(given: list[Start], kind: Kind, step: int | None, longest: int) -
 ASKED: list[tuple[Kind, int | None]] = [("alone", None), ("lend", None), ("borrow", 0), ("borrow", 4)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "step"), ASKED)
 def test_retrograde_analysis_agrees_with_the_reference_on_all_starts_of_the_smallest_floor(
     kind: Kind, step: int | None
@@ -93,6 +94,7 @@ def test_retrograde_analysis_agrees_with_the_reference_on_all_starts_of_the_smal
     assert retrograde(given, kind, step, 20) == optima(given, kind, step=step)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "step"), [("alone", None), ("lend", None), ("lend", 3)])
 def test_retrograde_analysis_agrees_with_the_reference_on_starts_of_two_workers(kind: Kind, step: int | None) -> None:
     """20 of 810."""
@@ -100,6 +102,7 @@ def test_retrograde_analysis_agrees_with_the_reference_on_starts_of_two_workers(
     assert retrograde(given, kind, step, 20) == optima(given, kind, step=step)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "step", "boxes"), [("alone", None, 3), ("lend", None, 2), ("borrow", 6, 1)])
 def test_the_fast_planner_finds_the_least_makespans_of_the_published_floor(
     kind: Kind, step: int | None, boxes: int
@@ -119,6 +122,7 @@ def test_the_reference_has_the_published_optimum_and_plans_that_the_checker_acce
     approve(problem, found.plan, kind)
 
 
+@pytest.mark.slow
 def test_one_question_from_scratch() -> None:
     problem = Start((5, 3), 1, (((1, 3), 1),), (1, 1)).problem()
     assert [reference.answer(problem, Question("alone", k)).verdict for k in (14, 15, 17)] == ["no", "yes", "yes"]

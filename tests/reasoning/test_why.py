@@ -153,6 +153,7 @@ FREE = team([((1, 3), 1), ((1, 2), 2)], [(2, 0, 0), (3, 1, 1)], carrier=(1, 1), 
 TIED = team([((1, 1), 1)], [(2, 0, 0)], carrier=(1, 1), tied="w1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("problem", "action", "others", "expected"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ def middle(cell: tuple[int, int]) -> tuple[float, float]:
     return cell[0] + 0.5, cell[1] + 0.5
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None)
 @given(
     places=st.lists(
