@@ -11,6 +11,7 @@ on its recording. Drawn with a fixed seed; where exactly a kill hits depends on 
 
 from __future__ import annotations
 
+import argparse
 import os
 import random
 import re
@@ -110,7 +111,9 @@ def _process(command: list[str]) -> Iterator[subprocess.Popen[str]]:
 
 def main() -> None:
     """Measure and print."""
-    kills = int(sys.argv[1]) if len(sys.argv) > 1 else KILLS
+    parser = argparse.ArgumentParser(prog="muster bench recovery", description="Processes are killed, and come back.")
+    parser.add_argument("kills", nargs="?", type=int, default=KILLS, help="how many processes are killed")
+    kills = parser.parse_args().kills
     print("victim        kills   hit   goal and invariants   detected: median, max   back at work: median, max")
     for victim, row in run(kills).items():
         detected, back = row["detected_s"], row["back_s"]

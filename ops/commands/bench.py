@@ -36,6 +36,9 @@ def execute(args: argparse.Namespace) -> int:
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     own = [word for word in args.options if word != "--json"]
+    if {"-h", "--help"} & set(own) and not hasattr(module, "options"):  # it has none of its own to tell
+        print(module.__doc__)
+        return 0
     sys.argv = [str(FOLDER / f"{args.name}.py"), *own]
     if args.json or own != args.options:
         print_json(module.run())
