@@ -177,3 +177,8 @@ def test_files_of_dead_runs_are_removed() -> None:
     gone.wait()
     with registered(Running("dead", "tcp/127.0.0.1:1", "/tmp", gone.pid, "")):
         assert listing() == []
+
+
+def test_a_benchmark_tells_what_it_measures_without_measuring(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "world", "--help"]) == 0
+    assert capsys.readouterr().out.startswith("How fast is the world?")
