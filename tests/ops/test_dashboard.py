@@ -34,6 +34,7 @@ def event(kind: str, source: str = "T1", **data: object) -> Envelope:
     return said(source, Event(kind, data))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "height"), [*SIZES, (40, 12), (63, 17), (131, 29), (300, 90)])
 @pytest.mark.parametrize("teams", [0, 1, 2, 3, 4, 5, 8, 23])
 def test_every_size_is_filled_exactly(teams: int, width: int, height: int) -> None:

@@ -44,6 +44,7 @@ def agreement(questions: int, first: int) -> int:
     return separated
 
 
+@pytest.mark.slow
 def test_connectivity_agrees_with_polygons_in_500_rooms() -> None:
     assert agreement(500, 100_000) > 125  # most are not just points where the robot cannot be
 

@@ -17,6 +17,7 @@ RADIUS_M = 0.25
 CELL_M = 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(0, 300, 5))
 def test_there_is_a_clear_trajectory_if_and_only_if_there_is_a_path(seed: int) -> None:
     for layout in (drawn(seed), lined_up(seed)):
