@@ -8,8 +8,8 @@ replies in one transaction. So after a crash either a step is over for everybody
 from __future__ import annotations
 
 from bus.messages import Envelope, Executed, Status
+from world.context import Context
 from world.motion import Motion
-from world.office import Office
 from world.own import SavedWindows
 from world.sensors import sense
 from world.things import BENCH
@@ -22,10 +22,10 @@ JOINING = 0.1
 class Common:
     """Implements `world.simulation.Windows`."""
 
-    def __init__(self, office: Office) -> None:
-        self._office, self._truth = office, office.truth
-        self._motion = Motion(office.truth)
-        for thing in office.truth.things.values():
+    def __init__(self, context: Context) -> None:
+        self._context, self._truth = context, context.truth
+        self._motion = Motion(context.truth)
+        for thing in context.truth.things.values():
             self._motion.travel(thing)
         self._window: Window | None = None
         self._commands: list[Envelope] = []
@@ -94,27 +94,27 @@ class Common:
         self._commands = left
 
     def _begin(self, window: Window) -> None:
-        office = self._office
+        context = self._context
         window.prepare(self._truth)
         actions = {f"{task.team}.{task.text}" for task in window.tasks}
-        office.disturbances.of_script([*office.faults.at_step(window.step, actions)])
+        context.disturbances.of_script([*context.faults.at_step(window.step, actions)])
         window.begin(self._truth, self._motion)
         self.doing = window.doing()
-        with office.node.journal.transaction():
+        with context.node.journal.transaction():
             for team, command in window.commands.items():
-                office.tell_begun(team, command, window.of[team])
-        office.node.status(Status("world", f"step {window.step}", step=window.step))
+                context.tell_begun(team, command, window.of[team])
+        context.node.status(Status("world", f"step {window.step}", step=window.step))
 
     def _end(self, window: Window) -> None:
-        office, truth = self._office, self._truth
-        with office.node.journal.transaction():
+        context, truth = self._context, self._truth
+        with context.node.journal.transaction():
             window.end(truth)
             for task in window.tasks:
-                office.tell_failed(task, window.commands[task.team])
+                context.tell_failed(task, window.commands[task.team])
             for team, command in window.commands.items():
                 step, state = step_of(command), sense(truth, team)
-                office.tell_ended(command, Executed(team, step, state, window.findings(team)))  # type: ignore[arg-type]
+                context.tell_ended(command, Executed(team, step, state, window.findings(team)))  # type: ignore[arg-type]
             self._window, self.doing = None, {}
-            office.tell_membership(truth.step)
-            office.save()
-        office.show()
+            context.tell_membership(truth.step)
+            context.save()
+        context.show()

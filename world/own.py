@@ -11,8 +11,8 @@ import msgspec
 
 from bus.messages import Envelope, Executed, Status
 from world import following, stores
+from world.context import Context
 from world.driving import Driver, Trip
-from world.office import Office
 from world.persons import Persons
 from world.sensors import sense
 from world.skills import SKILLS
@@ -49,13 +49,13 @@ class SavedWindows(msgspec.Struct):
 class Own:
     """Implements `world.simulation.Windows`."""
 
-    def __init__(self, office: Office, saved: SavedWindows) -> None:
-        self._office, self._truth = office, office.truth
-        self._driver, self._persons = Driver(office.truth), Persons(office.truth)
+    def __init__(self, context: Context, saved: SavedWindows) -> None:
+        self._context, self._truth = context, context.truth
+        self._driver, self._persons = Driver(context.truth), Persons(context.truth)
         self._windows: dict[str, Window] = {}
         self._commands: list[Envelope] = []
         self._controlled = -1
-        self._notice = max(office.truth.period // NOTICES, 1)
+        self._notice = max(context.truth.period // NOTICES, 1)
         self.doing: dict[str, str] = {}
         self._driver.take_up(saved.trips)
         for window in saved.windows:
@@ -124,13 +124,13 @@ class Own:
 
     # ------------------------------------------------------------ one step
     def _begin(self, command: Envelope) -> None:
-        office, team, window = self._office, command.src, self._prepared(command, self._truth.tick)
+        context, team, window = self._context, command.src, self._prepared(command, self._truth.tick)
         actions = {f"{team}.{task.text}" for task in window.tasks}
-        office.disturbances.of_script([*office.faults.at_step(step_of(command), actions, team)])
+        context.disturbances.of_script([*context.faults.at_step(step_of(command), actions, team)])
         self._try(window.tasks)
         following.set_out(self._truth, self._driver, window.tasks)
         self._tell_begun(team, window)
-        office.node.status(Status("world", f"at work for {', '.join(sorted(self._windows))}", step=self._truth.step))
+        context.node.status(Status("world", f"at work for {', '.join(sorted(self._windows))}", step=self._truth.step))
 
     def _resume(self, saved: Saved) -> None:
         """What takes a period begins again, drives go on."""
@@ -160,8 +160,8 @@ class Own:
     def _tell_begun(self, team: str, window: Window) -> None:
         self._windows[team] = window
         self.doing |= window.doing()
-        with self._office.node.journal.transaction():
-            self._office.tell_begun(team, window.commands[team], window.tasks)
+        with self._context.node.journal.transaction():
+            self._context.tell_begun(team, window.commands[team], window.tasks)
 
     def _over(self, window: Window, passed: int) -> bool:
         """Has all of it ended? What was impossible from the start takes a period, too."""
@@ -173,16 +173,16 @@ class Own:
         )
 
     def _end(self, window: Window) -> None:
-        office, truth = self._office, self._truth
+        context, truth = self._context, self._truth
         ((team, command),) = window.commands.items()
         step = step_of(command)
-        with office.node.journal.transaction():
+        with context.node.journal.transaction():
             for task in sorted(window.tasks, key=lambda task: SKILLS[task.action.skill].rank):
                 task.failed = task.failed or SKILLS[task.action.skill].end(truth, task)
                 if not task.failed:
                     stores.drain(task)
                     self._count(task)
-                office.tell_failed(task, command)
+                context.tell_failed(task, command)
             for trip in [trip for trip in self._driver.trips if trip.team == team]:
                 self._driver.end(trip)
             del self._windows[team]
@@ -190,10 +190,10 @@ class Own:
             truth.step = max(truth.step, step)
             felt = {str(task.arg("robot")): task.felt for task in window.tasks if task.felt is not None}
             findings = window.findings(team)
-            office.tell_ended(command, Executed(team, step, sense(truth, team), findings, felt))  # type: ignore[arg-type]
-            office.tell_membership(step)
-            office.save()
-        office.show()
+            context.tell_ended(command, Executed(team, step, sense(truth, team), findings, felt))  # type: ignore[arg-type]
+            context.tell_membership(step)
+            context.save()
+        context.show()
 
     def _count(self, task: Task) -> None:
         fluents, name = self._truth.fluents[task.team], task.action.counts

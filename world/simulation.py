@@ -16,11 +16,11 @@ from bus.messages import Envelope, Execute, Inject, Observe, Observed, Ok, Order
 from bus.node import Node
 from bus.scene import Scene
 from world.common import Common
+from world.context import Context
 from world.disturbances import COORDINATOR, Disturbances
 from world.faults import Faults, SavedFaults, physical
 from world.frames import Frames
 from world.herald import Herald
-from world.office import Office
 from world.own import Own, SavedWindows
 from world.sensors import sense
 from world.things import Thing
@@ -107,7 +107,7 @@ class World:
         self.faults = Faults(node, self.truth, saved, self.participants)
         self.disturbances = Disturbances(node, self.truth, self.faults, self._save)
         self.herald = Herald(node, COORDINATOR)
-        self._office = Office(node, self.truth, self.faults, self.disturbances, self._save, self._show_frame)
+        self._context = Context(node, self.truth, self.faults, self.disturbances, self._save, self._show_frame)
         self._waiting: list[Envelope] = []
         self._frame_ticks = max(round(1 / (scene.frame_hz * scene.dt_s)), 1)
         self._frames, self._frame_tick = Frames(self.truth), -1
@@ -115,8 +115,8 @@ class World:
         node.emit(
             "started", text, incarnation=node.incarnation, role="world", recovered=self.recovered, step=self.truth.step
         )
-        self.windows: Windows = Common(self._office) if scene.conducted else Own(self._office, under_way)
-        self._office.tell_membership(self.truth.step)
+        self.windows: Windows = Common(self._context) if scene.conducted else Own(self._context, under_way)
+        self._context.tell_membership(self.truth.step)
         for order in untold:
             self.disturbances.tell(order)
         node.status(Status("world", "between two steps", step=self.truth.step))

@@ -16,7 +16,7 @@ from world.window import step_of
 
 
 @dataclass(frozen=True)
-class Office:
+class Context:
     """`save` journals the world, `show` publishes a frame."""
 
     node: Node
