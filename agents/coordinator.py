@@ -46,7 +46,8 @@ class Coordinator:
         self.steps = Conducting(self.requests)
         self.agreement = Agreement(node, self.requests, 0, setup.delay, setup.market())
         self.exchanges: tuple[m.Exchange, ...] = ()
-        self._reason, self._refusals, self._up = "", 0, False
+        self._reason, self._refusals = "", 0
+        self._first_word = telling.FirstWord(node, "coordinator")
         if self.diary.over is not None:
             self._last_word(self.diary.over)
         else:
@@ -54,9 +55,7 @@ class Coordinator:
 
     # ------------------------------------------------------------ turns
     def turn(self, mail: tuple[Envelope, ...]) -> None:
-        if not self._up:  # not before: only now the time is known
-            self._up = True
-            telling.up(self.node, "coordinator")
+        self._first_word.tell()
         for envelope in mail:
             if envelope.re:
                 if self.requests.settle(envelope):
@@ -67,14 +66,9 @@ class Coordinator:
                 self._told(envelope)
 
     def _told(self, envelope: Envelope) -> None:
-        """News from the world: somebody was lost or is back, or an order changed. It is told once, so what must
-        outlive this process is written down with the reply."""
+        """News from the world: somebody was lost or is back, or an order changed."""
         body = envelope.body
-        change = self.members.hear(body) if isinstance(body, m.Contact) else ""
-        with self.node.journal.transaction():
-            self.node.reply(envelope, m.Ok())
-            if change:
-                self._note(lost=self.members.lost)
+        change = self.members.take_in(self.node, envelope, self._note)
         if self.phase == "over":
             return
         if isinstance(body, m.Contact) and change:

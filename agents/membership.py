@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-from bus.messages import Contact
+from bus.messages import Contact, Envelope, Ok
+from bus.node import Node
 
 
 class Membership:
@@ -29,3 +30,13 @@ class Membership:
         if self.live < before:
             return f"contact with {news.name} is lost"
         return f"{news.name} is back" if self.live > before else ""
+
+    def take_in(self, node: Node, news: Envelope, note: Callable[..., None]) -> str:
+        """Answer news of the world; what has changed as in `hear`. It is told once, so what must outlive this process
+        is noted, as `lost`, together with the reply."""
+        change = self.hear(news.body) if isinstance(news.body, Contact) else ""
+        with node.journal.transaction():
+            node.reply(news, Ok())
+            if change:
+                note(lost=self.lost)
+        return change

@@ -35,15 +35,13 @@ class Team:
         self.mind = Mind(node, setup, thinker)
         self.answering = Answering(self.mind)
         self.executing = Executing(self.mind, self.answering.attend)
-        self._up = False
+        self._first_word = telling.FirstWord(node, "team")
         self.mind.show("observing" if self.mind.memory.course is None else "back at work")
         self.executing.resume()
 
     def turn(self, mail: tuple[Envelope, ...]) -> None:
         node = self.mind.node
-        if not self._up:  # not before: only now the time is known
-            self._up = True
-            telling.up(node, "team")
+        self._first_word.tell()
         for envelope in mail:
             if envelope.re:
                 self.mind.hear(envelope)

@@ -15,11 +15,21 @@ from reasoning.sharing import Shared
 from reasoning.words import count, handing
 
 
-def up(node: Node, role: str) -> None:
-    """The first word of a process, said in its first turn: only then the time is known."""
-    back = node.incarnation > 1
-    text = f"{node.name} is {'back' if back else 'up'}"
-    node.emit("started", text, incarnation=node.incarnation, role=role, recovered=back)
+class FirstWord:
+    """That a process is up, or back: told in its first turn, not before, since only then the time is known."""
+
+    def __init__(self, node: Node, role: str) -> None:
+        self._node, self._role, self._told = node, role, False
+
+    def tell(self) -> bool:
+        """Called in every turn; true in the first."""
+        if self._told:
+            return False
+        self._told, node = True, self._node
+        back = node.incarnation > 1
+        text = f"{node.name} is {'back' if back else 'up'}"
+        node.emit("started", text, incarnation=node.incarnation, role=self._role, recovered=back)
+        return True
 
 
 def answered(node: Node, team: str, answer: Answer) -> None:

@@ -42,17 +42,14 @@ class House:
         self.members = Membership(setup.teams, self.ledger.lost)
         self.enquiry = Requests(node)
         self._standings: dict[str, m.Standing] = {}
-        self._up = False
+        self._first_word = telling.FirstWord(node, "coordinator")
         if self.ledger.over is not None:
             self._last_word(self.ledger.over)
 
     def turn(self, mail: tuple[Envelope, ...]) -> None:
-        if not self._up:  # not before: only now the time is known
-            self._up = True
-            telling.up(self.node, "coordinator")
-            if self.ledger.over is None:
-                self._tell_all()
-                self._take_stock()
+        if self._first_word.tell() and self.ledger.over is None:
+            self._tell_all()
+            self._take_stock()
         for envelope in mail:
             if envelope.re:
                 if self.enquiry.settle(envelope) and isinstance(envelope.body, m.Standing):
@@ -68,11 +65,7 @@ class House:
     def _told(self, envelope: Envelope) -> None:
         """News from the world: somebody was lost or is back, or an order changed."""
         body = envelope.body
-        change = self.members.hear(body) if isinstance(body, m.Contact) else ""
-        with self.node.journal.transaction():
-            self.node.reply(envelope, m.Ok())
-            if change:
-                self._note(lost=self.members.lost)
+        change = self.members.take_in(self.node, envelope, self._note)
         if self.ledger.over is not None:
             return
         if isinstance(body, m.Contact) and change:

@@ -22,14 +22,11 @@ class Autonomous:
     def __init__(self, node: Node, setup: TeamSetup, thinker: Thinker) -> None:
         self.mind = Mind(node, setup, thinker)
         self.acting = Acting(self.mind)
-        self._up = False
+        self._first_word = telling.FirstWord(node, "team")
         self.mind.show("waiting to begin" if self.mind.memory.peers is None else "back at work")
 
     def turn(self, mail: tuple[Envelope, ...]) -> None:
-        node = self.mind.node
-        if not self._up:  # not before: only now the time is known
-            self._up = True
-            telling.up(node, "team")
+        if self._first_word.tell():
             self.acting.resume()
         for envelope in mail:
             if envelope.re:
