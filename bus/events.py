@@ -11,6 +11,7 @@ KINDS: dict[str, str] = {
     "step_started": "team, step, command (id of the Execute), actions",
     "step_ended": "team, step, command, state (sensed)",
     "skill_failed": "team, step, action, reason: an action had no physical effect",
+    "waits_at_door": "team, step, robot: it is not in yet, or not out; said once for each reason",
     "fault_injected": "kind, target, args",
     "membership": "truth at a step's end: step, robots {id: [place, name]}, objects {id: {attribute: value}}",
     "contact": "name, state: present, lost_contact, back",

@@ -62,14 +62,16 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     On the floor of a room: ``follow`` drives along the way that the call's detail `way` gives, ``((x,y),...)`` in
     millimetres, in `units` periods; ``grasp`` takes hold of what the detail named `point` says (``GRIP(NAME,END)``),
     or else of what is there; ``release``; ``leave`` goes out by the door to `room`, ``enter`` comes in by the one to
-    the room that the robot, detail `robot`, came from. Who has the attribute `weak` grasps no heavy thing, who has one
-    that `needs` names only things with the attribute named there; a grasp sets the thing's attribute `clears` to 0.
+    the room that the robot, detail `robot`, came from; ``recall`` has a robot of the own team, detail `robot`, come
+    home from another room by itself, a piece of the way in each step. Who has the attribute `weak` grasps no heavy
+    thing, who has one that `needs` names only things with the attribute named there; a grasp sets the thing's attribute
+    `clears` to 0.
     """
 
     skill: Literal[
         "drive", "couple", "uncouple", "drive_coupled", "set", "operate",
         "convey", "depart", "arrive", "charge", "repair", "inspect",
-        "follow", "grasp", "release", "leave", "enter",
+        "follow", "grasp", "release", "leave", "enter", "recall",
     ]  # fmt: skip
     args: tuple[Literal["robot", "partner", "object", "direction", "value", "x", "y", "room"], ...] = ()
     direction: Literal["", "up", "down", "left", "right"] = ""

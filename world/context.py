@@ -33,8 +33,14 @@ class Context:
         self.node.emit("step_started", text, team=team, step=step, command=command.id, actions=texts)
 
     def tell_failed(self, task: Task, command: Envelope) -> None:
-        """If an action had no effect, say so."""
-        if task.failed:
+        """If an action had no effect, say so; of who tries again until it has, each reason once."""
+        robot = task.robot
+        if task.failed and task.again and robot is not None:
+            if robot.waits != task.failed:
+                robot.waits = task.failed
+                step = step_of(command)
+                self.node.emit("waits_at_door", task.failed, team=task.team, step=step, robot=robot.id)
+        elif task.failed:
             text = f"{task.team}: {task.text} had no effect, {task.failed}"
             self.node.emit(
                 "skill_failed", text, team=task.team, step=step_of(command), action=task.text, reason=task.failed

@@ -21,6 +21,7 @@ def begin_follow(truth: Truth, task: Task) -> str:
     units = task.call.detail.get("units")
     if not isinstance(units, int) or units < 1:
         return "it is not said how many units the way takes"
+    task.units = units
     ox, oy = truth.layout.origin(task.team)
     task.way = [(ox + x, oy + y) for x, y in read(task.call.detail.get("way"))]
     if not task.way:
@@ -42,7 +43,7 @@ def set_out(truth: Truth, driver: Driver, tasks: Iterable[Task]) -> None:
     for group in together.values():
         group.sort(key=lambda task: task.robot.end if task.robot is not None else 0)
         robots = [task.robot for task in group if task.robot is not None]
-        units = max(int(task.call.detail["units"]) for task in group)
+        units = max(task.units for task in group)
         try:
             trip = driver.set_out(robots, [task.way for task in group], units * truth.period)
         except ValueError as error:

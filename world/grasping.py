@@ -90,7 +90,7 @@ def begin_leave(truth: Truth, task: Task) -> str:
         return f"{robot.name} holds something"
     if room not in doors or not any(space.room == room for space in truth.layout.spaces.values()):
         return f"no door leads to {room}"
-    if truth.cell(robot) not in _cells(doors[room]):
+    if truth.cell(robot) not in cells(doors[room]):
         return f"{robot.name} is not at the door to {room}"
     return ""
 
@@ -100,11 +100,16 @@ def end_leave(truth: Truth, task: Task) -> str:
     assert robot is not None
     if robot.broken:
         return f"{robot.name} is broken"
-    robot.given = Given(task.team, truth.tick)
+    go_out(truth, robot, str(task.arg("room")))
+    return ""
+
+
+def go_out(truth: Truth, robot: Thing, room: str) -> None:
+    """Out by the door to `room`, into the hallway."""
+    robot.given = Given(robot.place, truth.tick, room)
     truth.belongs(robot, BENCH, robot.id)
     truth.floor.lift(robot.id)
     truth.floor.put(robot.id, truth.layout.slot(robot.id))
-    return ""
 
 
 def begin_enter(truth: Truth, task: Task) -> str:
@@ -125,23 +130,33 @@ def end_enter(truth: Truth, task: Task) -> str:
     assert robot is not None
     if robot.place != BENCH or robot.given is None or truth.find(task.team, name) is not None:
         return f"{task.call.detail.get('robot')} cannot come"
+    if robot.called and owner(robot) != task.team:
+        return f"{robot.id} is called home by its own team"
     came = robot.given.team
     if truth.tick < robot.given.tick + truth.transport(came, task.team) * truth.period:
-        return f"{robot.id} is still on its way"
-    area = truth.layout.spaces[task.team].doors.get(truth.layout.spaces[came].room)
-    places = [truth.layout.cell(task.team, *cell) for cell in _cells(area)] if area is not None else []
+        task.again = True
+        return f"{task.team} waits for {robot.id}, which is on its way"
+    # Who turns round comes in by the door by which it left.
+    door = robot.given.room if came == task.team else truth.layout.spaces[came].room
+    area = truth.layout.spaces[task.team].doors.get(door)
+    places = [truth.layout.cell(task.team, *cell) for cell in cells(area)] if area is not None else []
     at = next((at for at in places if _free(truth, task.team, robot, at)), None)
     if at is None:
-        task.felt = "blocked"
-        return f"nobody can come in from {came}"
-    robot.given = None
+        task.felt, task.again = "blocked", True
+        return f"{robot.id} waits at the door for {task.team}: somebody stands there"
+    robot.given, robot.called, robot.waits = None, False, ""
     truth.belongs(robot, task.team, name)
     truth.floor.put(robot.id, at)
     truth.floor.lower(robot.id)
     return ""
 
 
-def _cells(area: tuple[int, int, int, int]) -> list[tuple[int, int]]:
+def owner(robot: Thing) -> str:
+    """The team that a robot was built for."""
+    return robot.id.partition(".")[0]
+
+
+def cells(area: tuple[int, int, int, int]) -> list[tuple[int, int]]:
     west, east, south, north = area
     return [(x, y) for y in range(south, north + 1) for x in range(west, east + 1)]
 

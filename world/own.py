@@ -151,11 +151,22 @@ class Own:
         """What is possible of what has not been tried yet?"""
         for task in sorted(tasks, key=lambda task: SKILLS[task.action.skill].rank):
             if task.trip is not None:
-                task.robot = self._truth.find(task.team, str(task.arg("robot")))
+                own = self._truth.find(task.team, str(task.arg("robot")))
+                task.robot = own or self._truth.things.get(str(task.call.detail.get("robot")))
             elif not task.failed:
                 task.failed = SKILLS[task.action.skill].begin(self._truth, task) or stores.lacks(task)
+                task.failed = task.failed or self._elsewhere(task)
             if not task.failed:
                 task.board.enter(task)
+
+    def _elsewhere(self, task: Task) -> str:
+        """What a robot still does for another team, or nothing."""
+        for window in self._windows.values():
+            for other in window.tasks:
+                if other.team != task.team and other.robot is task.robot is not None and not other.failed:
+                    task.again = True
+                    return f"{task.robot.id} waits until {other.text} of {other.team} is over"
+        return ""
 
     def _tell_begun(self, team: str, window: Window) -> None:
         self._windows[team] = window
@@ -183,7 +194,8 @@ class Own:
                     stores.drain(task)
                     self._count(task)
                 context.tell_failed(task, command)
-            for trip in [trip for trip in self._driver.trips if trip.team == team]:
+            own = [task.trip for task in window.tasks if task.trip is not None]
+            for trip in [trip for trip in self._driver.trips if any(trip is other for other in own)]:
                 self._driver.end(trip)
             del self._windows[team]
             self.doing = {robot: text for other in self._windows.values() for robot, text in other.doing().items()}

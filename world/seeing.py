@@ -1,7 +1,7 @@
 """What the sensors of a team in a room show: its own robots, and what one of them has in view.
 
 In view is what the line of sight reaches without meeting tall furniture. That a robot is broken is not sensed, nor that
-a thing is heavy before somebody has tried to move it.
+a thing is heavy before somebody has tried to move it. A guest that its own team calls home tells nothing any more.
 """
 
 from __future__ import annotations
@@ -28,8 +28,11 @@ def sense(truth: Truth, team: str) -> State:
         state[space.clock] = -(-truth.tick // truth.period)
     ox, oy = truth.layout.origin(team)
     tall = [[(ox + x, oy + y) for x, y in solid.corners] for solid in space.solids if solid.tall]
-    eyes = [truth.floor.where(thing.id) for thing in truth.of(team) if truth.kind(thing).role == "robot"]
+    own = [thing for thing in truth.of(team) if truth.kind(thing).role == "robot" and not thing.called]
+    eyes = [truth.floor.where(thing.id) for thing in own]
     for thing in truth.of(team):
+        if thing.called:
+            continue
         if truth.kind(thing).role == "robot" or in_view(truth, thing, eyes, tall):
             state.update(shown(truth, thing))
     return state

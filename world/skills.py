@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from world import following, grasping, handling, moving, stores
+from world import following, grasping, handling, moving, recalling, stores
 from world.tasks import Task
 from world.truth import Truth
 
@@ -44,4 +44,5 @@ SKILLS: dict[str, Skill] = {
     "release": Skill(grasping.begin_release, grasping.end_release),
     "leave": Skill(grasping.begin_leave, grasping.end_leave),
     "enter": Skill(grasping.begin_enter, grasping.end_enter),
+    "recall": Skill(recalling.begin_recall, recalling.end_recall),
 }

@@ -26,8 +26,9 @@ class Task:
     """A call of a team's step. `begun`: it was possible so far; `failed` says why nothing came of it, `felt` what the
     robot noticed of that.
 
-    `goal` is the cell that `bodies` are to get to, `leaves` that they go away; `way` and `trip` are of a robot that
-    follows a way; `board` is shared by all of a window.
+    `goal` is the cell that `bodies` are to get to, `leaves` that they go away; `way`, its `units` of time and `trip`
+    are of a robot that follows a way; `again`: nothing has come of it yet, and who asked will ask again; `board` is
+    shared by all of a window.
     """
 
     team: str
@@ -44,7 +45,9 @@ class Task:
     leaves: bool = False
     finding: str = ""
     felt: Felt | None = None
+    again: bool = False
     way: list[Point] = field(default_factory=list)
+    units: int = 0
     trip: Trip | None = None
 
     def arg(self, role: str) -> Value | None:
@@ -89,6 +92,8 @@ def present(truth: Truth, task: Task) -> str:
     thing = truth.find(task.team, name)
     if thing is None or truth.kind(thing).role != "robot":
         return f"there is no robot {name}"
+    if thing.called:
+        return f"{name} is called home by its own team"
     task.robot = thing
     other = task.board.busy.get(thing.id)
     return f"{name} is busy with {other.text}" if other is not None else ""

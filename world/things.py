@@ -44,16 +44,18 @@ class Leg(msgspec.Struct, frozen=True):
 
 
 class Given(msgspec.Struct):
-    """A robot was given by this team, in a step that ended at this tick."""
+    """A robot was given by this team, in a step that ended at this tick; in a house it left for this `room`."""
 
     team: str
     tick: int
+    room: str = ""
 
 
 class Thing(msgspec.Struct, omit_defaults=True):
     """A body. `place` is its team, ``bench`` or ``gone``; `name` what it is called there. `marks` are attributes that
-    fall back to 0 at a tick; `route` is its way along the lane, `given` how it came to be on the bench. Positions are
-    filled in for saving alone."""
+    fall back to 0 at a tick; `route` is its way along the lane, `given` how it came to be on the bench. `called`: its
+    own team calls it home, and nobody else commands it; `waits` is why it does not get on, as it was told last.
+    Positions are filled in for saving alone."""
 
     id: str
     kind: str
@@ -72,3 +74,5 @@ class Thing(msgspec.Struct, omit_defaults=True):
     end: int = 0
     heading_rad: float = 0.0
     walked: int = 0
+    called: bool = False
+    waits: str = ""

@@ -21,6 +21,7 @@ ACTIONS = {
     "drop": Action("release", ("robot",)),
     "out": Action("leave", ("robot", "room")),
     "in": Action("enter", ("robot",)),
+    "home": Action("recall", ("robot",)),
 }
 
 
@@ -63,6 +64,10 @@ class House(Stage):
     def __init__(self, scene: Scene, home: Path | None = None) -> None:
         super().__init__(scene, home)
         self.steps: dict[str, int] = {}
+
+    def waits(self) -> list[str]:
+        """Who was said to wait at a door."""
+        return [str(event["text"]) for event in self.events("waits_at_door")]
 
     def again(self) -> House:
         """Kill this world and start the next life of it."""
