@@ -23,7 +23,7 @@ class Membership:
     def hear(self, news: Contact) -> str:
         """What has changed, in words; empty if nothing has or it is no team."""
         before = self.live
-        if news.state == "lost_contact":
+        if news.state in ("lost_contact", "stopped"):
             self.live -= {news.name}
         else:
             self.live |= self.teams & {news.name}

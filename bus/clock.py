@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bus.node import Node
     from bus.options import Mode
 
-ContactState = Literal["present", "lost_contact", "back"]
+ContactState = Literal["present", "lost_contact", "back", "stopped"]
 OnContact = Callable[[str, ContactState], None]
 
 

@@ -17,7 +17,7 @@ START_PATIENCE = 2.0
 
 class _Member(msgspec.Struct):
     """What is known of one participant. It counts from round `enters` on; `join` is news that `settle` has yet to take
-    in; `answered` the id of the last one it took in."""
+    in; `answered` the id of the last one it took in; who is `given_up` will not be started again."""
 
     state: str = "expected"
     incarnation: int = 0
@@ -26,6 +26,7 @@ class _Member(msgspec.Struct):
     enters: int = -1
     done: Done | None = None
     token: bool = False
+    given_up: bool = False
     vanished_wall_s: float = 0.0
     sign_wall_s: float = 0.0
     back_by_wall_s: float = 0.0
@@ -71,6 +72,11 @@ class Contacts:
         if name in self._members:
             self._members[name].back_by_wall_s = wall_s() + self._return_s
 
+    def give_up(self, name: str) -> None:
+        """Somebody was ended for good: no word from it is to be expected."""
+        if name in self._members:
+            self._members[name].given_up = True
+
     def done(self, name: str, round_number: int) -> Done | None:
         """What `name` said at the end of this round, if it has."""
         done = self._members[name].done
@@ -103,11 +109,12 @@ class Contacts:
                     changed.append((name, "present" if member.state == "expected" else "back"))
                 member.state, member.incarnation, member.done = "present", member.join.inc, None
                 member.enters, member.answered = round_number + 2, member.join.id
+                member.given_up = False
                 self._answer(name, member.join)
                 member.join = None
             elif member.state != "lost_contact" and self._silent(member):
                 member.state, member.enters, member.done = "lost_contact", -1, None
-                changed.append((name, "lost_contact"))
+                changed.append((name, "stopped" if member.given_up else "lost_contact"))
         return changed
 
     def is_outsider(self, name: str) -> bool:
@@ -122,6 +129,8 @@ class Contacts:
 
     def _silent(self, member: _Member) -> bool:
         wall = wall_s()
+        if member.given_up:
+            return True
         if member.state == "expected":
             return wall - self._start_wall_s > START_PATIENCE * self._return_s
         if not member.token:

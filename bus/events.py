@@ -14,7 +14,7 @@ KINDS: dict[str, str] = {
     "waits_at_door": "team, step, robot: it is not in yet, or not out; said once for each reason",
     "fault_injected": "kind, target, args",
     "membership": "truth at a step's end: step, robots {id: [place, name]}, objects {id: {attribute: value}}",
-    "contact": "name, state: present, lost_contact, back",
+    "contact": "name, state: present, lost_contact, back, stopped",
     "order": "team, added, cancelled",
     # team agent
     "plan_adopted": "team, epoch, start, makespan, role",
@@ -51,6 +51,8 @@ KINDS: dict[str, str] = {
     "helper_left": "team, robot, to: it has left its room to help",
     "helper_came": "team, robot, of: it is under the team's orders now",
     "helper_sent_back": "team, robot, to",
+    "helper_called": "team, robot, of (who has it): the robot is to come home by itself, for good",
+    "helper_gone": "team, step, robot: the robot of another team is under the team's orders no more",
     "helper_returned": "team, robot, of (whom it has helped): it is back where it was",
     # coordinator
     "search_started": "epoch, step, reason",

@@ -34,6 +34,7 @@ KINDS: dict[str, FaultKind] = {
     "kill": FaultKind("process", (), (), "SIGKILL; the supervisor restarts it"),
     "pause": FaultKind("process", ("for_s",), (), "SIGSTOP, and SIGCONT after for_s simulated seconds"),
     "restart": FaultKind("process", (), (), "SIGTERM; the supervisor restarts it"),
+    "stop": FaultKind("team", (), (), "SIGKILL of the team's process, which is not started again"),
     "drop": FaultKind("link", ("share",), (), "this share of the mail from one process (to another) is lost"),
     "delay": FaultKind("link", ("share", "for_s"), (), "this share of the mail arrives for_s seconds late"),
     "repeat": FaultKind("link", ("share",), (), "this share of the mail arrives twice"),

@@ -98,6 +98,10 @@ class Node:
         again, no longer than for one that died; without this a fast clock would have run far ahead."""
         self.post.expected.append(name)
 
+    def give_up(self, name: str) -> None:
+        """In the world: the process `name` was ended, and nobody will start it again. Nobody waits for it."""
+        self.post.given_up.append(name)
+
     def beat(self, doing: str) -> None:
         """Show a sign of life. Call it at least every 0.5 s of wall time in long work; `turns` does while it
         waits."""

@@ -49,6 +49,8 @@ def run(
             now_s += factor * step_s
             simulation.advance(now_s)
         post.expected.clear()  # here time waits for nobody
+        while post.given_up:
+            contacts.give_up(post.given_up.pop())
         for name in sorted(post.reborn):
             outbox.resend(name)
         post.reborn.clear()

@@ -44,6 +44,8 @@ class Post:
         """Who waits for a reply that is not for a turn, by who was asked and the request's id."""
         self.expected: list[str] = []
         """Who is bound to come back, for the world's clock."""
+        self.given_up: list[str] = []
+        """Who will never come back."""
         self.reborn: set[str] = set()
         """Who was seen in a new life: the former one may have taken our requests to the grave."""
         self._in_work: set[tuple[str, str]] = set()

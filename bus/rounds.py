@@ -41,6 +41,8 @@ def run(post: Post, simulation: Simulation, contacts: Contacts, start_s: float, 
             on_contact(name, state)
         while post.expected:
             contacts.expect(post.expected.pop())
+        while post.given_up:
+            contacts.give_up(post.given_up.pop())
         if not mail and not rounds.in_flight() and not contacts.entering(outbox.round):
             times = [*wakes, *(t for t in (simulation.next_s(), outbox.next_due_s()) if t is not None)]
             if times and not contacts.expecting():

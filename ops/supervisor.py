@@ -26,7 +26,7 @@ from reasoning.words import count
 Post = Callable[[], None]
 Say = Callable[[str, str, str], None]
 
-Disturbance = Literal["kill", "pause", "resume", "restart"]
+Disturbance = Literal["kill", "pause", "resume", "restart", "stop"]
 
 TERMINATE_S = 5.0
 START_S = 30.0
@@ -37,7 +37,9 @@ _SIGNALS: dict[Disturbance, int] = {
     "pause": signal.SIGSTOP,
     "resume": signal.SIGCONT,
     "restart": signal.SIGTERM,
+    "stop": signal.SIGKILL,
 }
+_ENDED = {"kill": "killed on purpose", "restart": "restarted on purpose", "stop": "stopped on purpose"}
 
 
 def _nothing() -> None:
@@ -120,8 +122,8 @@ class Supervisor:
             if child is None:
                 return f"no process {name!r}; there are {', '.join(self.table)}"
             return f"{name} is not running just now"
-        if kind in ("kill", "restart"):
-            child.expected = "killed on purpose" if kind == "kill" else "restarted on purpose"
+        if kind in _ENDED:
+            child.expected = _ENDED[kind]
             child.on_end.append(done)
             self._signal(child, _SIGNALS[kind])
         else:
@@ -221,6 +223,9 @@ class Supervisor:
             self._say(child.name, "stopped", "")
             return
         self._say(child.name, "died", cause)
+        if cause == _ENDED["stop"]:
+            child.state = "ended"
+            return
         wait_s = child.restarts.died(self._now())
         if wait_s is None:
             child.state = "ended"

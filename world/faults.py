@@ -92,6 +92,10 @@ class Faults:
                 return "share must be a number from 0 to 1"
             if name == "for_s" and not (isinstance(value, int | float) and value > 0):
                 return "for_s must be seconds, more than 0"
+        if kind == "stop" and target not in self._truth.layout.spaces:
+            return f"there is no team {target!r}. There are: {', '.join(self._truth.layout.spaces)}"
+        if kind == "stop" and self._truth.scene.conducted:
+            return "only a team that acts for itself can be stopped for good: here all others would wait for it"
         processes = (self._node.name, *self._participants)
         ends = ends_of(target) if known.on == "link" else (target,)
         for end in ends if known.on in ("link", "process") else ():
@@ -113,8 +117,11 @@ class Faults:
                 for name in sources:
                     self._impair(name, to, kind, share, for_s)
                 return ""
-            case "kill" | "pause" | "restart":
-                return self._supervise(ProcessFault(kind, target))
+            case "kill" | "pause" | "restart" | "stop":
+                reason = self._supervise(ProcessFault(kind, target))
+                if kind == "stop" and not reason:
+                    self._node.give_up(target)
+                return reason
         return f"{kind} is not supported"
 
     def plan_resume(self, kind: str, target: str, args: Mapping[str, Value | float]) -> None:

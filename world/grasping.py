@@ -131,6 +131,7 @@ def end_enter(truth: Truth, task: Task) -> str:
     if robot.place != BENCH or robot.given is None or truth.find(task.team, name) is not None:
         return f"{task.call.detail.get('robot')} cannot come"
     if robot.called and owner(robot) != task.team:
+        task.again = True
         return f"{robot.id} is called home by its own team"
     came = robot.given.team
     if truth.tick < robot.given.tick + truth.transport(came, task.team) * truth.period:

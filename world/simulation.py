@@ -186,8 +186,8 @@ class World:
 
     def on_contact(self, name: str, state: ContactState) -> None:
         """Somebody was lost from sight, or is back."""
-        words = {"present": "is there", "lost_contact": "is out of contact", "back": "is back"}
-        self.node.emit("contact", f"{name} {words[state]}", name=name, state=state)
+        words = {"present": "there", "lost_contact": "out of contact", "back": "back", "stopped": "gone for good"}
+        self.node.emit("contact", f"{name} is {words[state]}", name=name, state=state)
         if name != COORDINATOR:
             self.herald.tell(name, state)
 

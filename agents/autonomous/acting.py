@@ -81,7 +81,9 @@ class Acting:
     def _looked(self, envelope: Envelope) -> None:
         self._looking = False
         if isinstance(envelope.body, m.Observed):
+            before = self.mind.memory.state
             self.mind.keep(state=self.mind.see(envelope.body.state), looked=True)
+            self.escort.missed(before)
         self.go_on()
 
     def _think(self) -> None:
@@ -190,6 +192,8 @@ class Acting:
         with mind.node.journal.transaction():
             mind.keep(step=begun.step + 1, begun=None, state=mind.see(body.state))
             self.escort.came_in()
+            if begun.purpose != "leave":
+                self.escort.missed(before.state)
             if begun.purpose == "plan":
                 mind.keep(at=before.at + 1)
                 recovering.after_step(mind, begun, before, body)
@@ -197,7 +201,7 @@ class Acting:
                 recovering.after_driving(mind, begun, before, body)
             else:
                 self.escort.executed(begun)
-        self.helpers.tell()
+        self.helpers.catch_up()
         self.go_on()
 
     # ------------------------------------------------------------ rest
@@ -222,6 +226,7 @@ class Acting:
 
     @property
     def finished(self) -> bool:
-        """Is there nothing to do, and nobody to wait for?"""
+        """Is there nothing to do, and nobody in contact to wait for?"""
         now = self.mind.memory
-        return now.resting and now.help.phase in ("none", "refused") and not now.help.off
+        untold = [to for to, _, _ in now.help.off if to in (now.peers or ())]
+        return now.resting and now.help.phase in ("none", "refused") and not untold

@@ -69,8 +69,10 @@ def causes(
 def _of(
     words: Words, before: State, predicted: State, believed: State, felt: Mapping[str, str], action: str
 ) -> Cause | None:
-    """What kept a robot from its action."""
+    """What kept a robot from its action; nothing if it is not there any more, which is told by itself."""
     robot = str(parse(action)[1][0])
+    if robot not in words.robots(believed):
+        return None
     was, now, then = (words.held(state, robot) for state in (before, believed, predicted))
     match felt.get(robot):
         case "too_heavy":

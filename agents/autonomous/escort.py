@@ -9,7 +9,7 @@ from agents.autonomous.helpers import Helpers
 from agents.autonomous.memory import Begun, Purpose
 from agents.autonomous.mind import Mind
 from agents.autonomous.ways import NoWay
-from bus.messages import SkillCall
+from bus.messages import SkillCall, State
 from reasoning.geometry import Cell, cell
 
 Execute = Callable[[Purpose, tuple[str, ...], tuple[SkillCall, ...]], None]
@@ -41,6 +41,11 @@ class Escort:
                 return True
             case "here" if now.resting:
                 self._send_out(now.help.name)
+                return True
+            case "sending" | "lent" if now.silent_s >= 0.0:
+                return self._misses(now.silent_s + now.help.term_units * self.mind.unit_s)
+            case "recalling":
+                self._call_home()
                 return True
             case "homing":
                 self._fetch_home()
@@ -85,6 +90,32 @@ class Escort:
         else:
             self._is_home()
 
+    def _misses(self, until_s: float) -> bool:
+        """The asker is out of contact; the robot that it has is called home when it has been for too long."""
+        mind, now = self.mind, self.mind.memory
+        if mind.node.now_s + 1e-9 < until_s:
+            mind.node.wake_at(until_s)
+            return False
+        self.helpers.take(helping.recalled(now.help))
+        self._call_home()
+        return True
+
+    def _call_home(self) -> None:
+        """Have the robot come by itself, from wherever it is: a piece of the way in each step."""
+        mind, now = self.mind, self.mind.memory
+        name, recall = now.help.name, mind.words.recall
+        if now.recalls >= recovering.PATIENCE_UNITS:
+            text = f"gives up {name}, which does not come home"
+            mind.emit("robot_broken", text, step=now.step, about=name, robot=name)
+            self._is_alone()
+            return
+        if not now.recalls:
+            silent = f"{now.help.partner} has been out of contact for {now.help.term_units} units"
+            why = silent if now.silent_s >= 0.0 else f"{now.help.partner} needs it no more"
+            mind.emit("helper_called", f"calls {name} home: {why}", robot=name, of=now.help.partner)
+        mind.keep(recalls=now.recalls + 1)
+        self._execute("recall", (f"{recall}({name})",), (SkillCall(recall, (name,), {"robot": now.help.robot}),))
+
     def _drive(self, purpose: Purpose, robot: str, cells: list[Cell]) -> None:
         """To the first of these cells that is free and can be reached; if there is none, wait a unit."""
         mind, now = self.mind, self.mind.memory
@@ -123,10 +154,27 @@ class Escort:
             text = f"has {now.help.name} of {now.help.partner} at its orders"
             mind.emit("helper_came", text, robot=now.help.name, of=now.help.partner)
             mind.keep(help=helping.came(now.help), course=None, need=None, looked=False, resting=False)
+        elif now.help.phase == "recalling":
+            mind.keep(help=helping.came(now.help))
+
+    def missed(self, before: State) -> None:
+        """Is a robot gone that was there before, without having been sent away?"""
+        now, words = self.mind.memory, self.mind.words
+        for robot in sorted({*words.robots(before)} - {*words.robots(now.state)}):
+            if now.help.phase == "here" and robot == now.help.name:
+                self.mind.keep(help=helping.missed(now.help))
+            self.helpers.guest_gone(robot)
 
     def _is_home(self) -> None:
         mind, now = self.mind, self.mind.memory
         text = f"has {now.help.name} back from {now.help.partner}, and resumes its own work"
         mind.emit("helper_returned", text, robot=now.help.name, of=now.help.partner)
-        mind.keep(help=helping.home(now.help), stood="", course=None, looked=False, resting=False, offered=False)
+        self._is_alone()
+
+    def _is_alone(self) -> None:
+        """Helping nobody any more: what is left to do here?"""
+        done = helping.home(self.mind.memory.help)
+        self.mind.keep(
+            help=done, stood="", recalls=0, course=None, looked=False, resting=False, offered=False, silent_s=-1.0
+        )
         self.helpers.tell()

@@ -65,6 +65,10 @@ def heard_settled(me: str, help_: Help, source: str, body: HelpSettled) -> tuple
         return replace(help_, phase="called" if help_.kind == "want" else "coming"), HelpStands(True)
     if ours and not body.confirmed and help_.phase in ("called", "coming", "confirming"):
         return replace(alone(help_), phase="refused" if help_.caller == me else "none"), HelpStands(False)
+    if ours and not body.confirmed and help_.phase in ("underway", "here", "returning"):
+        return alone(help_), HelpStands(False)  # its own team calls the robot home
+    if ours and not body.confirmed and help_.phase in ("sending", "lent"):
+        return replace(help_, phase="recalling"), HelpStands(False)  # it was sent back while we were out of contact
     return help_, HelpStands(ours and help_.engaged and body.confirmed)
 
 
@@ -90,7 +94,7 @@ def heard_sent(help_: Help, source: str, body: RobotSent) -> tuple[Help, HelpSta
     if (help_.caller, help_.call, help_.partner) != (body.caller, body.number, source):
         return help_, HelpStands(False)
     if body.back:
-        if help_.phase in ("sending", "lent"):
+        if help_.phase in ("sending", "lent", "recalling"):
             help_ = replace(help_, phase="homing")
         return help_, HelpStands(help_.phase == "homing")
     if help_.phase in ("coming", "confirming"):  # who has left has heard the confirmation
@@ -99,12 +103,15 @@ def heard_sent(help_: Help, source: str, body: RobotSent) -> tuple[Help, HelpSta
 
 
 def lost(me: str, help_: Help, name: str) -> Help:
-    """A team is out of contact: nobody waits for it, unless a robot is with it or on its way."""
+    """A team is out of contact: nobody waits for it, unless a robot is with it or on its way to or from it. Who has
+    sent its robot back tells it later."""
     match help_.phase:
         case "calling" if name in help_.asked and name not in help_.answers:
             silent = HelpAnswer(help_.number, False, "-", later=True, reason="it is out of contact")
             help_ = replace(help_, off=(*help_.off, (name, me, help_.number)))  # the call may still get there
             return heard_answer(me, help_, name, silent)
+        case "returning" if help_.partner == name:
+            return replace(alone(help_), off=(*help_.off, (name, help_.caller, help_.call)))
         case "confirming" | "called" | "coming" | "promised" if help_.partner == name:
             off = () if help_.phase == "promised" else ((name, help_.caller, help_.call),)
             phase: Phase = "refused" if help_.caller == me else "none"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from agents.autonomous import hearing, helping
+from agents.autonomous.beliefs import without
 from agents.autonomous.helping import Help
 from agents.autonomous.mind import Mind
 from agents.autonomous.willing import Willing, willing
@@ -19,6 +20,7 @@ class Helpers:
     def __init__(self, mind: Mind, changed: Callable[[], None]) -> None:
         self.mind, self._changed = mind, changed
         self._calls: list[tuple[Envelope, m.HelpCall]] = []
+        self._later: list[tuple[Envelope, m.HelpSettled]] = []
 
     @property
     def _peers(self) -> tuple[str, ...]:
@@ -97,8 +99,11 @@ class Helpers:
         self._changed()
 
     def settled(self, envelope: Envelope, body: m.HelpSettled) -> None:
-        """A promise is confirmed or released."""
+        """A promise is confirmed or released, or an engagement is off."""
         mind = self.mind
+        if self._leaving:
+            self._later.append((envelope, body))
+            return
         before = mind.memory.help
         help_, reply = hearing.heard_settled(mind.team, before, envelope.src, body)
         with mind.node.journal.transaction():
@@ -106,6 +111,8 @@ class Helpers:
             mind.node.reply(envelope, reply)
             if before.phase == "promised" and help_.phase == "none":
                 mind.emit("help_released", f"is released by {envelope.src}", by=envelope.src)
+            if before.phase == "here" and not help_.engaged:
+                self.guest_gone(before.name)
         self._expect(before)
         self.tell()
         self._changed()
@@ -126,12 +133,45 @@ class Helpers:
         if number <= mind.memory.told:
             return
         peers = tuple(team for team in teams if team != mind.team)
-        help_ = mind.memory.help
-        for name in sorted({*help_.asked, help_.partner} - {"", *peers}):
-            help_ = hearing.lost(mind.team, help_, name)
         known = tuple(sorted({*mind.memory.known, *peers}))
-        mind.keep(peers=peers, known=known, told=number, help=help_)
+        mind.keep(peers=peers, known=known, told=number)
+        self._mind_the_lost()
         self.tell()
+
+    # ------------------------------------------------------------ who is out of contact, and what had to wait
+    @property
+    def _leaving(self) -> bool:
+        """Is a robot about to leave? Only the step's end shows where it is then, and what that means for help."""
+        begun = self.mind.memory.begun
+        return begun is not None and begun.purpose == "leave"
+
+    def catch_up(self) -> None:
+        """A step is over: take in what has waited for that."""
+        later, self._later = self._later, []
+        for envelope, body in later:
+            self.settled(envelope, body)
+        self._mind_the_lost()
+        self.tell()
+
+    def _mind_the_lost(self) -> None:
+        """Give up whoever is out of contact, and note since when one has been that has a robot or lends it."""
+        mind, now = self.mind, self.mind.memory
+        help_, leaving = now.help, {now.help.partner} if self._leaving else set()
+        for name in sorted({*help_.asked, help_.partner} - {"", *self._peers} - leaving):
+            help_ = hearing.lost(mind.team, help_, name)
+        silent_s = -1.0
+        if help_.engaged and help_.partner not in self._peers:
+            silent_s = now.silent_s if now.silent_s >= 0.0 else mind.node.now_s
+        if (help_, silent_s) != (now.help, now.silent_s):
+            mind.keep(help=help_, silent_s=silent_s)
+
+    def guest_gone(self, robot: str) -> None:
+        """A robot of another team is here no more, or obeys no more: plan without it."""
+        text = f"has lost {robot}, which its own team has called home, and plans anew"
+        self.mind.emit("helper_gone", text, robot=robot, step=self.mind.memory.step)
+        now = self.mind.memory
+        left, gone = without(now.state, {robot}), tuple(sorted({*now.gone, robot}))
+        self.mind.keep(state=left, gone=gone, course=None, need=None, stopped={}, looked=False, resting=False)
 
     # ------------------------------------------------------------ what is replied
     def _replied(self, about: m.Body, reply: Envelope) -> None:

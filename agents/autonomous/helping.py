@@ -13,6 +13,7 @@ called by the asker, an offer by the helper.
 | called     | helper | that its robot is free, and has left by the door                             |
 | sending    | helper | that the asker has heard that it left                                        |
 | lent       | helper | that the asker sends the robot back                                          |
+| recalling  | helper | that its robot has come in, which it calls home itself                       |
 | homing     | helper | that its robot has come in, and is back where it was                         |
 | coming     | asker  | that the helper's robot leaves for here                                      |
 | underway   | asker  | that it has come in                                                          |
@@ -21,7 +22,9 @@ called by the asker, an offer by the helper.
 
 `Help` is journalled by its owner at each change. What it still has to tell follows from it (`pending`), so whoever
 comes back from the dead goes on telling it, under the same ids. A partner that is lost from sight is given up, unless a
-robot is with it or on its way.
+robot is with it or on its way. An asker that has been out of contact for as long as it was to have the robot
+(`term_units`) is not waited for any more: the helper calls the robot home, and tells the asker when that is back. A
+helper that is out of contact when its robot leaves for home learns of that when it is back.
 """
 
 from __future__ import annotations
@@ -36,10 +39,12 @@ from bus.messages import Body, HelpAnswer, HelpCall, HelpSettled, RobotSent
 
 Phase = Literal[
     "none", "calling", "confirming", "refused", "promised",
-    "called", "sending", "lent", "homing", "coming", "underway", "here", "returning",
+    "called", "sending", "lent", "recalling", "homing", "coming", "underway", "here", "returning",
 ]  # fmt: skip
-ENGAGED = ("called", "sending", "lent", "homing", "coming", "underway", "here", "returning")
+ENGAGED = ("called", "sending", "lent", "recalling", "homing", "coming", "underway", "here", "returning")
 """Phases in which there is a partner whose word is confirmed."""
+LEAST_TERM_UNITS = 4
+"""So long a robot stays with who is out of contact at least: it may be on its way there."""
 Cancel = tuple[str, str, int]
 """Whom to tell that the engagement of this caller and number is off."""
 
@@ -76,6 +81,11 @@ class Help(msgspec.Struct, frozen=True):
         """Units from when the asker and the helper are agreed until the robot is there."""
         answer = self.answers.get(self.partner)
         return answer.units if answer is not None else self.units
+
+    @property
+    def term_units(self) -> int:
+        """So long the asker has the robot, as it was told; so long it may be out of contact."""
+        return max(self.units, LEAST_TERM_UNITS)
 
     @property
     def asker(self) -> bool:
@@ -137,14 +147,26 @@ def left(help_: Help) -> Help:
     return replace(help_, phase={"called": "sending", "here": "returning"}[help_.phase])
 
 
+def recalled(help_: Help) -> Help:
+    """The asker has been out of contact for too long: the helper calls its robot home, wherever it is."""
+    assert help_.phase in ("sending", "lent"), help_.phase
+    return replace(help_, phase="recalling", off=(*help_.off, (help_.partner, help_.caller, help_.call)))
+
+
+def missed(help_: Help) -> Help:
+    """The guest is gone: its own team has called it home."""
+    assert help_.phase == "here", help_.phase
+    return alone(help_)
+
+
 def chosen(help_: Help, robot: str, name: str) -> Help:
     """The helper knows which of its robots goes."""
     return replace(help_, robot=robot, name=name)
 
 
 def came(help_: Help) -> Help:
-    """The guest has come in."""
-    return replace(help_, phase="here")
+    """The guest has come in, or the own robot that was called home."""
+    return replace(help_, phase={"underway": "here", "recalling": "homing"}[help_.phase])
 
 
 def home(help_: Help) -> Help:

@@ -23,11 +23,13 @@ _KEY = "house"
 
 class Ledger(msgspec.Struct, frozen=True):
     """What must not be forgotten. `told` counts the news of who is in contact, `epoch` the enquiries; `lost` are teams
-    out of contact, `rests` the latest reports; `over` is the last word, once it is said."""
+    out of contact, `stopped` those that will never come back, `rests` the latest reports; `over` is the last word, once
+    it is said."""
 
     told: int = 0
     epoch: int = 0
     lost: tuple[str, ...] = ()
+    stopped: tuple[str, ...] = ()
     rests: dict[str, m.AtRest] = {}
     over: m.RunOver | None = None
 
@@ -65,6 +67,10 @@ class House:
     def _told(self, envelope: Envelope) -> None:
         """News from the world: somebody was lost or is back, or an order changed."""
         body = envelope.body
+        if isinstance(body, m.Contact):
+            gone = {body.name} & self.members.teams if body.state == "stopped" else set()
+            back = {body.name} if body.state in ("present", "back") else set()
+            self._note(stopped=tuple(sorted({*self.ledger.stopped} - back | gone)))
         change = self.members.take_in(self.node, envelope, self._note)
         if self.ledger.over is not None:
             return
@@ -94,32 +100,37 @@ class House:
             self._take_stock()
 
     def _take_stock(self) -> None:
-        """When all have reported: are they all still at rest, and nobody's robot elsewhere?"""
-        if self.enquiry or self.members.lost or set(self.ledger.rests) < self.members.teams:
+        """When all have reported but those that will never come back: are they all still at rest, and nobody's robot
+        elsewhere?"""
+        live = self.members.live
+        if self.enquiry or set(self.members.lost) - {*self.ledger.stopped} or not live <= set(self.ledger.rests):
             return
         self._note(epoch=self.ledger.epoch + 1)
         self._standings = {}
-        for team in sorted(self.members.teams):
+        for team in sorted(live):
             self.enquiry.send(team, m.Enquire(self.ledger.epoch))
+        if not live:
+            self._finish()
 
     def _stands(self, standing: m.Standing) -> None:
         self._standings[standing.team] = standing
-        if self.enquiry or set(self._standings) < self.members.teams:
+        if self.enquiry or not self.members.live <= set(self._standings):
             return
         if all(each.finished for each in self._standings.values()):
             self._finish()
 
     def _finish(self) -> None:
-        """The last word: the goal is reached if nothing is left untidy and no deadline was missed."""
-        rests = self.ledger.rests
+        """The last word: the goal is reached if nothing is left untidy, no deadline was missed, and nobody has gone."""
+        rests, gone = self.ledger.rests, self.ledger.stopped
         left = [
             f"{team} leaves {n} as it is: {why}" for team, r in sorted(rests.items()) for n, why in r.untidy.items()
         ]
         late = [f"{team} missed its deadline" for team, r in sorted(rests.items()) if r.late]
-        reason = "; ".join([*left, *late]) or "every team has reached its goal"
-        makespan = max(rest.steps for rest in rests.values())
+        stopped = [f"{team} was stopped, and nobody knows how its room is" for team in gone]
+        reason = "; ".join([*stopped, *left, *late]) or "every team has reached its goal"
+        makespan = max((rest.steps for rest in rests.values()), default=0)
         replans = sum(max(rest.plans - 1, 0) for rest in rests.values())
-        over = m.RunOver(not left and not late, reason[:2000], makespan, replans)
+        over = m.RunOver(not (stopped or left or late), reason[:2000], makespan, replans)
         with self.node.journal.transaction():
             self._note(over=over)
             self.node.emit("run_over", over.reason, **asdict(over))

@@ -13,7 +13,7 @@ from bus.journal import Journal
 from bus.messages import AtRest, SkillCall, Value
 
 _KEY = "memory"
-Purpose = Literal["plan", "drive_on", "safe", "door", "leave", "enter", "home"]
+Purpose = Literal["plan", "drive_on", "safe", "door", "leave", "enter", "home", "recall"]
 """Why the world was asked to do something: a step of the plan; to go on after a stop; to stand in the middle of a cell;
 and what help takes."""
 
@@ -39,8 +39,10 @@ class Memory(msgspec.Struct, frozen=True):
     that were found impossible, `broken` tells where robots stand that are done without. Nothing is done before
     `until_s`. `peers` are the other teams in contact (None: the coordinator has not said so yet) as of its message
     number `told`, `known` all that ever were; `stood` is the cell where the robot stood that helps elsewhere,
-    `offered`: help was offered since it was last asked for. `resting`: there is nothing more to do here; `rest` is the
-    latest report of that, `reported` whether it still holds.
+    `silent_s` since when the partner in help under way has been out of contact (negative: it is not), `recalls` how
+    often the robot was called home, `gone` are guests that their own teams have called home; `offered`: help was
+    offered since it was last asked for. `resting`: there is nothing more to do here; `rest` is the latest report of
+    that, `reported` whether it still holds.
     """
 
     step: int = 0
@@ -65,6 +67,9 @@ class Memory(msgspec.Struct, frozen=True):
     known: tuple[str, ...] = ()
     told: int = -1
     stood: str = ""
+    silent_s: float = -1.0
+    recalls: int = 0
+    gone: tuple[str, ...] = ()
     offered: bool = False
     rest: AtRest | None = None
     resting: bool = False

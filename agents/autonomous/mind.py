@@ -88,7 +88,10 @@ class Mind:
     def see(self, seen: State) -> State:
         """What is to be believed after a look."""
         room = geometry.room(self.domain, self.static, seen)
-        return without(believed(self.words, room, self.memory.state, seen), set(self.memory.broken))
+        now = self.memory
+        here = {now.help.name} if now.help.phase in ("underway", "here") else set()
+        hidden = {*now.broken} | {*now.gone} - here  # what is told of guests that are gone may be old
+        return without(believed(self.words, room, now.state, seen), hidden)
 
     def wait(self, units: int) -> None:
         """Do nothing for so many units of time, then look."""
@@ -168,6 +171,7 @@ def said(help_: helping.Help) -> str:
         "called": f"sends a robot to {partner}",
         "sending": f"sends {help_.name} to {partner}",
         "lent": f"{help_.name} helps {partner}",
+        "recalling": f"calls {help_.name} home from {partner}",
         "homing": f"{help_.name} comes back from {partner}",
         "coming": f"expects a robot of {partner}",
         "underway": f"expects {help_.name} of {partner}",

@@ -11,6 +11,7 @@
 | robot_broken     | diagnose; plan anew without the robot, and without what it holds                               |
 | object_appeared  | none: ways go round it, and the final look finds it                                            |
 | deadline_at_risk | plan anew, with help if that is the only way                                                   |
+| helper_gone      | plan anew without the guest that its own team has called home                                  |
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ DOING = {
     "leave": "sending a robot to another room",
     "enter": "letting a robot in",
     "home": "sending a robot back to its place",
+    "recall": "calling a robot home",
 }
 PATIENCE_UNITS = 40
 """So long is waited for a person who stands in the way."""
@@ -82,7 +84,10 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
     """Robots went on after they had stopped. `begun` has their goals."""
     now = mind.memory
     goals = _goals(begun, mind.words)
-    left = {r: goal for r, goal in goals.items() if mind.words.cell(now.state, r) != goal or _stands_off(mind, r)}
+    here = mind.words.robots(now.state)
+    left = {
+        r: g for r, g in goals.items() if r in here and (mind.words.cell(now.state, r) != g or _stands_off(mind, r))
+    }
     predicted = {**now.state, **{f"{mind.words.place}({r})": written(goal) for r, goal in left.items()}}
     actions = [action for action in begun.actions if str(parse(action)[1][0]) in left]
     found = causes(mind.words, before.state, predicted, now.state, body.felt, actions)

@@ -38,6 +38,7 @@ class Words(msgspec.Struct, frozen=True):
     free: str
     leave: str
     enter: str
+    recall: str
     weak: str
 
     # ------------------------------------------------------------ who and what
@@ -149,5 +150,6 @@ def words(domain: str | Domain) -> Words:
         free=action("release"),
         leave=action("leave"),
         enter=action("enter"),
+        recall=action("recall"),
         weak=str(data.actions[action("grasp")].get("weak", "")),
     )

@@ -8,10 +8,11 @@ from bus.messages.basics import Body, Count, Name, Text
 
 
 class Contact(Body, frozen=True):
-    """A process was lost from sight, or is back. Losing contact is not failing. Reply: `Ok`."""
+    """A process was lost from sight, or is back. Losing contact is not failing. Only of one that is ``stopped`` it is
+    known that nobody will start it again. Reply: `Ok`."""
 
     name: Name
-    state: Literal["present", "lost_contact", "back"]
+    state: Literal["present", "lost_contact", "back", "stopped"]
 
 
 class Order(Body, frozen=True):
@@ -25,7 +26,7 @@ class Order(Body, frozen=True):
 class ProcessFault(Body, frozen=True):
     """Ask the supervisor to disturb a process, for `for_s` simulated seconds where that applies. Reply: `Ok`."""
 
-    kind: Literal["kill", "pause", "resume", "restart"]
+    kind: Literal["kill", "pause", "resume", "restart", "stop"]
     target: Name
 
 

@@ -13,7 +13,7 @@ COMMANDS: dict[str, str] = {
     "why": "what stands in the way of a plan, an action, a suspicion: a minimal clash, checked",
     "watch": "the live dashboard, attached to a running system",
     "replay": "the dashboard from a recording",
-    "inject": "disturb a running system: break, move, set, order, cancel, kill, pause, restart, drop, delay, repeat",
+    "inject": "disturb a running system: bodies, orders, deadlines, processes, links",
     "list": "the shipped scenarios and diagnosis cases, and what is running now",
     "validate": "is this scenario file right?",
     "compile": "write the files that a scenario's processes are given",

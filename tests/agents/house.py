@@ -9,7 +9,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +35,12 @@ from bus.messages import (
 from bus.node import Node
 from reasoning.setup import Refused, Setup, compile_setup
 from reasoning.solver import parse
+from tests.agents.cells import Cell, cell, grip, stop_before, term
 from tests.agents.together import Process, Supervisor
 
 DOMAIN = "housekeeping"
 UNIT_S = 3.0
 HALLWAY = 2
-Cell = tuple[int, int]
 
 
 @dataclass
@@ -56,6 +55,7 @@ class Robot:
     pose: tuple[float, float] | None = None
     broken: bool = False
     weak: bool = False
+    called: bool = False
 
 
 @dataclass
@@ -96,13 +96,13 @@ class Rooms:
                 if name == "connected":
                     robot = str(args[0])
                     weak = state.get(f"light_weight({robot})", 0) == 1
-                    at = _cell(state[f"at({robot})"])
+                    at = cell(state[f"at({robot})"])
                     self.robots[f"{team}.{robot}"] = Robot(f"{team}.{robot}", team, robot, at, weak=weak)
                 elif name == "kind":
                     thing = str(args[0])
                     end = state.get(f"end({thing})")
-                    at = _cell(state[f"at({thing})"])
-                    self.things[thing] = Thing(team, thing, str(value), at, None if end is None else _cell(end))
+                    at = cell(state[f"at({thing})"])
+                    self.things[thing] = Thing(team, thing, str(value), at, None if end is None else cell(end))
 
     # ------------------------------------------------------------ mail
     def turn(self, mail: tuple[Envelope, ...]) -> None:
@@ -114,6 +114,9 @@ class Rooms:
                     texts = {f"{c.name}({','.join(map(str, c.args))})" for c in calls}
                     for key in [k for k in self.before if k[0] == team and k[1] in texts]:
                         self.before.pop(key)()
+                    for call in calls:
+                        if call.name == "recall":
+                            self.robots[str(call.detail["robot"])].called = True
                     units = max((int(c.detail.get("units", 1)) for c in calls), default=1)
                     self._doing.append(Doing(envelope, self.now_s + units * UNIT_S))
                 case Observe(team):
@@ -141,28 +144,37 @@ class Rooms:
         room = self.setup.states[team]["room"]
         seen: dict[str, Value] = {"room": room, "attaches": self.attaches[team]}
         seen["elapsed"] = math.ceil(self.now_s / UNIT_S - 1e-6)
-        mine = [r for r in self.robots.values() if r.team == team]
+        mine = [r for r in self.robots.values() if r.team == team and not r.called]
         for r in mine:
-            seen |= {f"at({r.name})": _term(r.at), f"connected({r.name})": _grip(r.holds)}
+            seen |= {f"at({r.name})": term(r.at), f"connected({r.name})": grip(r.holds)}
             seen |= {f"light_weight({r.name})": 1} if r.weak else {}
             if r.pose is not None:
-                seen[f"pose({r.name})"] = _term((round(1000 * r.pose[0]), round(1000 * r.pose[1])))
+                seen[f"pose({r.name})"] = term((round(1000 * r.pose[0]), round(1000 * r.pose[1])))
         for t in self.things.values() if mine else ():
             if t.team == team and t.seen:
-                seen |= {f"kind({t.name})": t.kind, f"at({t.name})": _term(t.at), f"raised({t.name})": 0}
-                seen |= {f"end({t.name})": _term(t.end)} if t.end is not None and t.felt else {}
+                seen |= {f"kind({t.name})": t.kind, f"at({t.name})": term(t.at), f"raised({t.name})": 0}
+                seen |= {f"end({t.name})": term(t.end)} if t.end is not None and t.felt else {}
         for name, (where, at, until_s) in self.persons.items():
             if where == team and self.now_s < until_s and mine:
-                seen |= {f"kind({name})": "person", f"at({name})": _term(at)}
+                seen |= {f"kind({name})": "person", f"at({name})": term(at)}
         return seen
 
     # ------------------------------------------------------------ what is done
     def _carry_out(self, team: str, call: SkillCall, felt: dict[str, Any]) -> None:
-        robot = next((r for r in self.robots.values() if (r.team, r.name) == (team, call.args[0])), None)
-        if call.name == "enter":
+        own = (r for r in self.robots.values() if (r.team, r.name, r.called) == (team, call.args[0], False))
+        robot = next(own, None)
+        if call.name in ("enter", "recall"):
             comer = self.robots[str(call.detail["robot"])]
-            if comer.team == "bench" and comer.there_s <= self.now_s + 1e-9:
-                comer.team, comer.at = team, self._door(team, comer.came_from)
+            if (
+                comer.team == "bench"
+                and comer.there_s <= self.now_s + 1e-9
+                and (not comer.called or call.name == "recall")
+            ):
+                comer.team, comer.at, comer.called = team, self._door(team, comer.came_from), False
+            elif call.name == "recall" and comer.holds is not None:
+                comer.holds = None
+            elif comer.team not in ("bench", team):
+                self._leave(comer)
         elif robot is None or robot.broken:
             pass
         elif call.name == "goto":
@@ -172,8 +184,11 @@ class Rooms:
         elif call.name == "detach":
             robot.holds = None
         elif call.name == "leave":
-            robot.came_from = str(self.setup.states[team]["room"])
-            robot.team, robot.there_s = "bench", self.now_s + HALLWAY * UNIT_S
+            self._leave(robot)
+
+    def _leave(self, robot: Robot) -> None:
+        robot.came_from = str(self.setup.states[robot.team]["room"])
+        robot.team, robot.there_s = "bench", self.now_s + HALLWAY * UNIT_S
 
     def _go(self, robot: Robot, call: SkillCall, felt: dict[str, Any]) -> None:
         points = [
@@ -190,7 +205,7 @@ class Rooms:
             (None, at) for where, at, until_s in self.persons.values() if where == robot.team and self.now_s < until_s
         ]
         for other, at in [*blocks, *people]:
-            stop = _stop(points, (at[0] + 0.5, at[1] + 0.5))
+            stop = stop_before(points, (at[0] + 0.5, at[1] + 0.5))
             if stop is not None:
                 robot.pose, robot.at, felt[robot.name] = stop, (int(stop[0]), int(stop[1])), "blocked"
                 if other is not None:
@@ -258,7 +273,7 @@ class Home:
 
     def contact(self, name: str, state: Any) -> None:
         """The world tells the coordinator; who is out of contact does nothing meanwhile."""
-        self.processes[name].asleep = state == "lost_contact"
+        self.processes[name].asleep = state in ("lost_contact", "stopped")
         self.world.node.request("coordinator", Contact(name, state))
 
     @property
@@ -298,29 +313,3 @@ class Home:
         for process in self.processes.values():
             if process.node is not None:
                 process.die()
-
-
-def _cell(value: Value) -> Cell:
-    x, y = parse(str(value))[1]
-    return int(x), int(y)
-
-
-def _term(at: Cell) -> str:
-    return f"({at[0]},{at[1]})"
-
-
-def _grip(holds: tuple[str, int] | None) -> str:
-    return "none" if holds is None else f"grip({holds[0]},{holds[1]})"
-
-
-def _stop(points: list[tuple[float, float]], at: tuple[float, float]) -> tuple[float, float] | None:
-    """Where a robot on this way stops before it touches something at `at`; None if it does not."""
-    for (ax, ay), (bx, by) in pairwise(points):
-        pieces = max(1, math.ceil(math.hypot(bx - ax, by - ay) / 0.05))
-        before = (ax, ay)
-        for k in range(1, pieces + 1):
-            here = ax + (bx - ax) * k / pieces, ay + (by - ay) * k / pieces
-            if math.dist(here, at) < 0.37 and math.dist(here, at) < math.dist(before, at):
-                return before
-            before = here
-    return None

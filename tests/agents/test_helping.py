@@ -28,6 +28,8 @@ class Team:
         self.robot = name
         """Where its robot is: a team, or on the way."""
         self.needs = 0
+        self.waited = 0
+        """So often it has waited for an asker that is out of contact."""
 
     def send(self) -> list[Mail]:
         """Everything that is still to be told, again."""
@@ -68,8 +70,20 @@ class Team:
 
     def act(self) -> None:
         """What the team does itself when nothing is under way."""
-        help_, house = self.help, self.house
+        house = self.house
+        for gone in sorted(house.lost):
+            self.help = hearing.lost(self.name, self.help, gone)
+        help_ = self.help
+        self.waited = self.waited + 1 if help_.partner in house.lost else 0
         match help_.phase:
+            case "sending" | "lent" if self.waited > help_.term_units:
+                self.help = helping.recalled(help_)
+            case "recalling" if self.robot != f"to {self.name}":
+                self.robot = f"to {self.name}"
+            case "recalling":
+                self.help = helping.came(help_)
+            case "here" if house[help_.partner].robot != self.name:
+                self.help = helping.missed(help_)
             case "none" | "refused" if self.needs:
                 kind = "want" if help_.kind != "want" or help_.phase == "none" else "offer"
                 peers = [t for t in TEAMS if t != self.name and t not in house.lost]
@@ -127,8 +141,11 @@ class House:
                 team.help = hearing.lost(team.name, team.help, name)
 
     def check(self) -> None:
-        """At no time do two teams count on the same robot, nor has anybody two partners."""
+        """At no time do two teams count on the same robot, nor has anybody two partners. Whose guest was called home
+        is told so."""
+        told = {(to, caller, call) for t in self.teams.values() for to, caller, call in t.help.off}
         askers = [t for t in self.teams.values() if t.help.phase in ("underway", "here")]
+        askers = [t for t in askers if (t.name, t.help.caller, t.help.call) not in told]
         robots = [t.help.robot for t in askers]
         assert len(robots) == len(set(robots))
         for team in askers:
@@ -143,10 +160,15 @@ class House:
             self.check()
         raise AssertionError([(t.name, t.needs, t.robot, t.help) for t in self.teams.values()])
 
-    def quiet(self) -> bool:
+    def quiet(self, but: str = "") -> bool:
+        """Is everybody home, but for who is dead?"""
         return all(
-            t.help.phase in ("none", "refused") and not t.help.off and t.robot == t.name and not t.needs
+            t.help.phase in ("none", "refused")
+            and not [to for to, _, _ in t.help.off if to != but]
+            and t.robot == t.name
+            and not t.needs
             for t in self.teams.values()
+            if t.name != but
         )
 
 
@@ -176,9 +198,48 @@ def test_who_is_out_of_contact_for_a_while_holds_nobody_up(seed: int, needs: tup
     others = [house[name] for name in TEAMS if name != gone]
     for team in others:  # who is engaged with the one that is lost has a robot there, or of it
         if team.help.partner == gone:
-            assert team.help.phase in ("sending", "lent", "homing", "underway", "here", "returning")
+            assert team.help.phase in ("sending", "lent", "recalling", "homing", "underway", "here")
     house.lost.clear()
     house.until(house.quiet)
+
+
+@settings(max_examples=150, deadline=None)
+@given(seed=st.integers(0, 2**32), needs=st.tuples(*[st.integers(0, 2)] * 3), at=st.integers(0, 150))
+def test_who_dies_for_good_keeps_nobodys_robot(seed: int, needs: tuple[int, ...], at: int) -> None:
+    house = House(random.Random(seed), 0.3)
+    for name, number in zip(TEAMS, needs, strict=True):
+        house[name].needs = number
+    for _ in range(at):
+        house.turn()
+        house.check()
+    gone = house.dice.choice(TEAMS)
+    house.lose(gone)
+    house.until(lambda: house.quiet(but=gone))
+
+
+def test_a_robot_stays_with_who_is_out_of_contact_as_long_as_it_was_to_stay() -> None:
+    lent = Help(phase="lent", kind="want", units=7, caller="b", call=3, partner="b", robot="a.r", name="r")
+    assert lent.term_units == 7
+    assert Help(phase="lent", units=1).term_units == helping.LEAST_TERM_UNITS
+    home = helping.recalled(lent)
+    assert (home.phase, home.off) == ("recalling", (("b", "b", 3),))
+    told, reply = hearing.heard_settled("b", Help(phase="here", caller="b", call=3, partner="a"), "a", _off(home))
+    assert (told, reply) == (Help(), HelpStands(False))
+    assert hearing.heard_sent(home, "b", RobotSent("b", 3, "a.r", "r", True))[0].phase == "homing"
+    assert helping.came(home).phase == "homing"
+
+
+def _off(help_: Help) -> Body:
+    (body,) = [body for _, body in helping.pending("a", "room", help_).values()]
+    return body
+
+
+def test_a_helper_that_was_away_hears_that_its_robot_was_sent_back() -> None:
+    sent_back = hearing.lost("b", Help(phase="returning", caller="b", call=3, partner="a"), "a")
+    assert (sent_back.phase, sent_back.off) == ("none", (("a", "b", 3),))
+    lent = Help(phase="lent", caller="b", call=3, partner="b", robot="a.r", name="r")
+    home, reply = hearing.heard_settled("a", lent, "b", HelpSettled("b", 3, False))
+    assert (home.phase, home.off, reply) == ("recalling", (), HelpStands(False))
 
 
 def test_of_two_who_call_at_the_same_time_the_first_by_name_is_heard() -> None:

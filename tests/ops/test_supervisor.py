@@ -110,6 +110,15 @@ def test_kill_and_restart_on_purpose_have_a_cause(tmp_path: Path) -> None:
     assert [cause for _, state, cause in told if state == "died"] == ["killed on purpose", "restarted on purpose"]
 
 
+def test_who_is_stopped_on_purpose_is_not_started_again(tmp_path: Path) -> None:
+    told, done = Told(), []
+    with supervisor(told) as boss:
+        boss.launch("one", SLEEPER, tmp_path / "one.log")
+        boss.disturb("stop", "one", lambda: done.append(True))
+        boss.until(lambda: bool(done) and boss.table["one"].state == "ended", 10, "its end")
+    assert told[1:] == [("one", "died", "stopped on purpose")]
+
+
 def test_helpers_of_a_child_end_with_it(tmp_path: Path) -> None:
     log = tmp_path / "family.log"
     with supervisor(Told()) as boss:

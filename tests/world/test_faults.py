@@ -234,6 +234,17 @@ def test_without_a_supervisor_nothing_is_claimed() -> None:
     assert stage.inject("kill", "A") == Injected(False, "supervisor did not answer")
 
 
+def test_a_team_that_acts_for_itself_can_be_stopped_for_good() -> None:
+    stage = House(house(pot("A", "1", 2, 2)))
+    assert stage.inject("stop", "A").accepted
+    assert stage.asked == [ProcessFault("stop", "A")]
+    assert stage.node.post.given_up == ["A"]
+    assert "there is no team 'world'" in stage.inject("stop", "world").reason
+    conducted = stage_with()
+    assert "all others would wait for it" in conducted.inject("stop", "A").reason
+    assert conducted.asked == []
+
+
 def test_links_are_each_nodes_own_and_add_up() -> None:
     stage = stage_with()
     assert stage.inject("drop", "A", share=0.1).accepted
@@ -264,7 +275,7 @@ def test_every_kind_of_the_vocabulary_is_supported() -> None:
         "robot": "A.h1", "body": "A.h1", "object": "A.1", "new": "A.ball", "team": "A", "process": "A", "link": "A"
     }  # fmt: skip
     for kind, known in KINDS.items():
-        in_room = kind in ("bring", "take")
+        in_room = kind in ("bring", "take", "stop")
         stage = House(house(pot("A", "1", 2, 2))) if in_room else stage_with()
         assert stage.inject(kind, targets[known.on], **arguments.get(kind, {})) == Injected(True), kind
         assert [e["kind"] for e in stage.events("fault_injected")] == [kind]

@@ -112,7 +112,7 @@ def test_who_has_not_come_in_yet_turns_round() -> None:
     stage.act("A", do("out", "r1", "room_b"))
     stage.act("A", CALL)
     assert "at(r1)" not in stage.act("B", do("in", "r1", robot="A.r1")).state
-    assert stage.reasons() == ["A.r1 is called home by its own team"]
+    assert stage.waits()[-1] == "A.r1 is called home by its own team"
     come_home(stage)
     assert stage.state("A")["at(r1)"] == "(3,7)"
 
