@@ -15,7 +15,7 @@ KINDS: dict[str, str] = {
     "fault_injected": "kind, target, args",
     "membership": "truth at a step's end: step, robots {id: [place, name]}, objects {id: {attribute: value}}",
     "contact": "name, state: present, lost_contact, back, stopped",
-    "order": "team, added, cancelled",
+    "order": "team, added, cancelled; deadline (units since the run began, 0: none) if that has changed",
     # team agent
     "plan_adopted": "team, epoch, start, makespan, role",
     "discrepancy": "team, step, differing",

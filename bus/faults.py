@@ -31,6 +31,9 @@ KINDS: dict[str, FaultKind] = {
     "set": FaultKind("object", ("attribute", "value"), (), "a person changes a sensed property of an object"),
     "order": FaultKind("team", ("add",), (), "so many more objects enter the team's line"),
     "cancel": FaultKind("team", ("objects",), (), "the last so many objects leave the team's order"),
+    "deadline": FaultKind(
+        "team", ("units",), (), "the team has until so many units of time after the run's beginning (0: no deadline)"
+    ),
     "kill": FaultKind("process", (), (), "SIGKILL; the supervisor restarts it"),
     "pause": FaultKind("process", ("for_s",), (), "SIGSTOP, and SIGCONT after for_s simulated seconds"),
     "restart": FaultKind("process", (), (), "SIGTERM; the supervisor restarts it"),

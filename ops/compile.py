@@ -170,6 +170,8 @@ def _check_faults(scenario: Scenario, scene: Scene) -> None:
         at = ["fault", str(number)]
         if wrong := problem(fault.kind, fault.target, fault.args, known):
             raise scenario.complaint([*at, wrong[0]], wrong[1])
+        if fault.kind in ("stop", "deadline") and scene.conducted:
+            raise scenario.complaint([*at, "kind"], f"{fault.kind} is for teams that act for themselves")
         if fault.kind == "move" and (("to" in fault.args) != (fault.target in on_lines)):
             raise scenario.complaint(
                 [*at, "target"], "what is on a line is moved to a line position to; all else to a cell x, y"

@@ -77,6 +77,8 @@ def _argument(name: str, value: object) -> str:
         return "" if number and float(value) > 0 else "expected seconds, more than 0"  # type: ignore[arg-type]
     if name in ("add", "objects"):
         return "" if isinstance(value, int) and number and value >= 1 else "expected a whole number, at least 1"
+    if name == "units":
+        return "" if isinstance(value, int) and number and value >= 0 else "expected units of time, 0 for no deadline"
     if name in ("x", "y", "to"):
         return "" if isinstance(value, int) and number else "expected a whole number"
     if name == "attribute":

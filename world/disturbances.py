@@ -17,21 +17,30 @@ class Disturbances:
 
     def __init__(self, node: Node, truth: Truth, faults: Faults, save: Callable[[], None]) -> None:
         self._node, self._truth, self._faults, self._save = node, truth, faults, save
-        self._orders: dict[str, Order] = {}
+        self._orders: list[Order] = []
+        self._under_way = ""
 
     # ------------------------------------------------------------ orders
     @property
     def untold(self) -> list[Order]:
         """Changes of orders that the coordinator has not confirmed yet."""
-        return list(self._orders.values())
+        return list(self._orders)
 
     def tell(self, order: Order) -> None:
-        """Tell the coordinator of a changed order."""
-        self._orders[self._node.request(COORDINATOR, order)] = order
+        """Tell the coordinator of a changed order: one after the other, since the latest counts."""
+        self._orders.append(order)
+        self._tell_next()
 
     def told(self, request: str) -> None:
         """A request was answered."""
-        self._orders.pop(request, None)
+        if request == self._under_way:
+            del self._orders[0]
+            self._under_way = ""
+            self._tell_next()
+
+    def _tell_next(self) -> None:
+        if self._orders and not self._under_way:
+            self._under_way = self._node.request(COORDINATOR, self._orders[0])
 
     # ------------------------------------------------------------ disturbances
     def of_script(self, numbers: list[int]) -> None:
@@ -81,10 +90,16 @@ class Disturbances:
         text = f"{kind} {target} {listed}".strip()
         self._node.post.emit("fault_injected", text, {"kind": kind, "target": target, "args": dict(args)})
         if isinstance(outcome, Order):
-            text = f"the order of {outcome.team} has changed"
-            self._node.emit("order", text, team=outcome.team, added=outcome.added, cancelled=outcome.cancelled)
+            self._emit(outcome)
             self.tell(outcome)
         return ""
+
+    def _emit(self, order: Order) -> None:
+        text, changed = f"the order of {order.team} has changed", {}
+        if order.deadline is not None:
+            until = f"has until {order.deadline} units of time" if order.deadline else "has no deadline"
+            text, changed = f"{order.team} {until} from now on", {"deadline": order.deadline}
+        self._node.emit("order", text, team=order.team, added=order.added, cancelled=order.cancelled, **changed)
 
     def _came_to_nothing(self, kind: str, target: str, reason: str) -> None:
         self._node.emit("refused", f"{kind} {target} came to nothing: {reason}", reason=reason, count=1)

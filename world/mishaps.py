@@ -1,6 +1,6 @@
 """Physical disturbances: what people and wear do to bodies, between two periods.
 
-Each gives the reason why it cannot be, or an empty text, or the change of a team's order that it was.
+Each gives the reason why it cannot be, or an empty text, or the change of a team's order or deadline that it was.
 """
 
 from __future__ import annotations
@@ -128,6 +128,19 @@ def cancel(truth: Truth, target: str, args: Args) -> Outcome:
     return Order(target, cancelled=tuple(names))
 
 
+def deadline(truth: Truth, target: str, args: Args) -> Outcome:
+    """A team is to be done earlier or later than it was to be."""
+    units, space = args["units"], truth.layout.spaces.get(target)
+    if space is None or not space.clock:
+        return f"there is no team {target} that keeps deadlines"
+    if not isinstance(units, int) or units < 0:
+        return f"a deadline is a whole number of units of time, or 0 for none; not {units}"
+    passed = -(-truth.tick // truth.period)
+    if 0 < units <= passed:
+        return f"{passed} units of time have passed already"
+    return Order(target, deadline=units)
+
+
 def _sample(truth: Truth, team: str) -> Thing | None:
     """An object as it is when its team gets it."""
     of_line = [e for e in truth.scene.entities if truth.scene.kinds[e.kind].track == "line"]
@@ -147,4 +160,5 @@ HAPPENS: dict[str, Callable[[Truth, str, Args], Outcome]] = {
     "take": take,
     "order": order,
     "cancel": cancel,
+    "deadline": deadline,
 }

@@ -6,6 +6,8 @@ What comes next follows from the memory alone, so a team that was killed goes on
 
 from __future__ import annotations
 
+from typing import Any
+
 from agents.autonomous import helping, recovering
 from agents.autonomous.asking import Asking
 from agents.autonomous.detours import Detours
@@ -83,6 +85,8 @@ class Acting:
         if isinstance(envelope.body, m.Observed):
             before = self.mind.memory.state
             self.mind.keep(state=self.mind.see(envelope.body.state), looked=True)
+            if not before:  # only now it knows which room is its own
+                self.mind.furnish()
             self.escort.missed(before)
         self.go_on()
 
@@ -98,7 +102,7 @@ class Acting:
             return
         self._thinking = True
         mind.show("planning")
-        helped = now.alone or now.help.phase == "here"
+        helped, deadline = now.alone or now.help.phase == "here", now.deadline
 
         def think() -> Thought:
             mind.thinking.never = now.never
@@ -110,7 +114,14 @@ class Acting:
                 return Thought(course, need, now.aside, now.late, "feasible", "with a robot that is on its way")
             return mind.thinking.consider(now.state, now.aside, helped=helped, late=now.late)
 
-        mind.think(think, self._thought)
+        def then(thought: Thought) -> None:
+            if mind.memory.deadline == deadline:
+                self._thought(thought)
+            else:  # it has thought of another deadline than it has by now
+                self._thinking = False
+                self.go_on()
+
+        mind.think(think, then)
 
     def _thought(self, thought: Thought) -> None:
         self._thinking = False
@@ -218,11 +229,18 @@ class Acting:
     def _report(self, report: m.AtRest) -> None:
         self.mind.request(COORDINATOR, report, lambda _: None, f"{self.mind.team}.rest.{report.number}")
 
-    def look_again(self) -> None:
-        """Something may have changed in the room of a team at rest."""
-        if self.mind.memory.resting:
-            self.mind.keep(resting=False, course=None, looked=False)
-            self.go_on()
+    def ordered(self, order: m.Order) -> None:
+        """Something has changed: a team at rest looks again, one with another deadline plans anew."""
+        mind, now = self.mind, self.mind.memory
+        again: dict[str, Any] = {"resting": False, "reported": False, "course": None, "stopped": {}, "looked": False}
+        if order.deadline is not None and order.deadline != now.deadline:
+            mind.keep(**again, deadline=order.deadline, late=False, alone=False, offered=False)
+            mind.furnish()
+            until = f"it has until {order.deadline} units" if order.deadline else "it has no deadline any more"
+            mind.emit("plan_dropped", f"plans anew: {until}", step=now.step, reason=until)
+        elif now.resting:
+            mind.keep(**again)
+        self.go_on()
 
     @property
     def finished(self) -> bool:

@@ -22,10 +22,11 @@ _KEY = "house"
 
 
 class Ledger(msgspec.Struct, frozen=True):
-    """What must not be forgotten. `told` counts the news of who is in contact, `epoch` the enquiries; `lost` are teams
-    out of contact, `stopped` those that will never come back, `rests` the latest reports; `over` is the last word, once
-    it is said."""
+    """What must not be forgotten. `orders` are changes that their teams have not heard of, `told` counts the news of
+    who is in contact, `epoch` the enquiries; `lost` are teams out of contact, `stopped` those that will never come
+    back, `rests` the latest reports; `over` is the last word, once it is said."""
 
+    orders: tuple[m.Order, ...] = ()
     told: int = 0
     epoch: int = 0
     lost: tuple[str, ...] = ()
@@ -44,6 +45,7 @@ class House:
         self.members = Membership(setup.teams, self.ledger.lost)
         self.enquiry = Requests(node)
         self._standings: dict[str, m.Standing] = {}
+        self._ordering: dict[str, str] = {}
         self._first_word = telling.FirstWord(node, "coordinator")
         if self.ledger.over is not None:
             self._last_word(self.ledger.over)
@@ -51,10 +53,13 @@ class House:
     def turn(self, mail: tuple[Envelope, ...]) -> None:
         if self._first_word.tell() and self.ledger.over is None:
             self._tell_all()
+            self._pass_on()
             self._take_stock()
         for envelope in mail:
             if envelope.re:
-                if self.enquiry.settle(envelope) and isinstance(envelope.body, m.Standing):
+                if self._ordering.get(envelope.src) == envelope.re:
+                    self._ordered(envelope.src)
+                elif self.enquiry.settle(envelope) and isinstance(envelope.body, m.Standing):
                     self._stands(envelope.body)
             elif isinstance(envelope.body, m.AtRest) and envelope.src in self.members.teams:
                 self._rests(envelope, envelope.body)
@@ -67,6 +72,8 @@ class House:
     def _told(self, envelope: Envelope) -> None:
         """News from the world: somebody was lost or is back, or an order changed."""
         body = envelope.body
+        if isinstance(body, m.Order) and body.team in self.members.teams:
+            self._note(orders=(*self.ledger.orders, body))
         if isinstance(body, m.Contact):
             gone = {body.name} & self.members.teams if body.state == "stopped" else set()
             back = {body.name} if body.state in ("present", "back") else set()
@@ -79,8 +86,23 @@ class House:
                 self.enquiry.withdraw(body.name)
             self._tell_all()
             self._take_stock()
-        elif isinstance(body, m.Order) and body.team in self.members.teams:
-            self.node.request(body.team, body)
+        elif isinstance(body, m.Order):
+            self._pass_on()
+
+    def _pass_on(self) -> None:
+        """Tell each team of the first change that it has not heard of: one after the other, since the latest counts."""
+        for order in self.ledger.orders:
+            if order.team not in self._ordering:
+                self._ordering[order.team] = self.node.request(order.team, order)
+
+    def _ordered(self, team: str) -> None:
+        """A team knows of the change."""
+        del self._ordering[team]
+        number = next(n for n, order in enumerate(self.ledger.orders) if order.team == team)
+        self._note(orders=self.ledger.orders[:number] + self.ledger.orders[number + 1 :])
+        self._pass_on()
+        if self.ledger.over is None:
+            self._take_stock()
 
     def _tell_all(self) -> None:
         """Have everybody begin who has not, and know who is in contact."""
@@ -103,7 +125,8 @@ class House:
         """When all have reported but those that will never come back: are they all still at rest, and nobody's robot
         elsewhere?"""
         live = self.members.live
-        if self.enquiry or set(self.members.lost) - {*self.ledger.stopped} or not live <= set(self.ledger.rests):
+        awaited = self._ordering.keys() & live or set(self.members.lost) - {*self.ledger.stopped}
+        if self.enquiry or awaited or not live <= set(self.ledger.rests):
             return
         self._note(epoch=self.ledger.epoch + 1)
         self._standings = {}
@@ -114,7 +137,8 @@ class House:
 
     def _stands(self, standing: m.Standing) -> None:
         self._standings[standing.team] = standing
-        if self.enquiry or not self.members.live <= set(self._standings):
+        live = self.members.live
+        if self.enquiry or self._ordering.keys() & live or not live <= set(self._standings):
             return
         if all(each.finished for each in self._standings.values()):
             self._finish()

@@ -39,7 +39,7 @@ class Mind:
         self.memory = memory.load(node.journal)
         self.unit_s = self.domain.data.time["period_s"]
         self.delay = int(setup.static.get("delay", 0))
-        self._furnish()
+        self.furnish()
         self._pool = ThreadPoolExecutor(1)
         self._waiting: dict[str, Callable[[Envelope], None]] = {}
 
@@ -67,10 +67,15 @@ class Mind:
         self.memory = replace(self.memory, **changed)
         memory.save(self.node.journal, self.memory)
 
-    def _furnish(self) -> None:
-        """What is known of the room: its constants, and broken robots, which stand in it like furniture."""
+    def furnish(self) -> None:
+        """What is known of the room: its constants with the present deadline, and broken robots, which stand in it like
+        furniture."""
         names = self.domain.data.geometry
         self.static = dict(self.setup.static)
+        until, key = self.memory.deadline, self.words.deadline_key(self.memory.state)
+        if until >= 0:
+            self.static.pop(key, None)
+            self.static |= {key: until} if until else {}
         here, half_cm = self.words.here(self.memory.state), int(self.static[f"{names['radius']}(robot)"])
         for robot, (x_m, y_m) in self.memory.broken.items():
             x, y = round(100 * x_m), round(100 * y_m)
@@ -83,7 +88,7 @@ class Mind:
         """These robots are broken, and stay where they are."""
         where = {robot: self.words.point(self.memory.state, robot) for robot in sorted(robots)}
         self.keep(broken={**self.memory.broken, **where}, state=without(self.memory.state, robots))
-        self._furnish()
+        self.furnish()
 
     def see(self, seen: State) -> State:
         """What is to be believed after a look."""

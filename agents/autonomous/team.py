@@ -44,8 +44,8 @@ class Autonomous:
             case m.Present(number, teams):
                 acting.helpers.present(teams, number)
                 node.reply(envelope, m.Ok())
-            case m.Order():
-                acting.look_again()
+            case m.Order() as order:
+                acting.ordered(order)
                 node.reply(envelope, m.Ok())
             case m.Enquire(epoch):
                 now = self.mind.memory

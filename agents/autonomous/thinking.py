@@ -174,7 +174,7 @@ class Thinking:
     # ------------------------------------------------------------ what is possible at all
     def _loose(self, now: State) -> dict[str, Value]:
         """The constants without a deadline."""
-        key = f"{self._words.most}({self._words.here(now)},{self._words.clock})"
+        key = self._words.deadline_key(now)
         return {name: value for name, value in self._static.items() if name != key}
 
     def _impossible(self, now: State, guest: State, left: Mapping[str, str]) -> dict[str, str]:

@@ -110,7 +110,11 @@ class Words(msgspec.Struct, frozen=True):
 
     def deadline(self, static: Mapping[str, Value], state: State) -> int:
         """In units since the run began; 0 if there is none."""
-        return int(static.get(f"{self.most}({self.here(state)},{self.clock})", 0))
+        return int(static.get(self.deadline_key(state), 0))
+
+    def deadline_key(self, state: State) -> str:
+        """The constant that says it."""
+        return f"{self.most}({self.here(state)},{self.clock})"
 
     def doors(self, static: Mapping[str, Value], state: State) -> dict[str, list[Cell]]:
         """By the name of the room next door, the cells by which robots go there."""

@@ -16,11 +16,13 @@ class Contact(Body, frozen=True):
 
 
 class Order(Body, frozen=True):
-    """Work was added to or taken from a team's order. Reply: `Ok`."""
+    """Work was added to or taken from a team's order, or it has another `deadline`, in units of time since the run
+    began (0: none any more). Reply: `Ok`."""
 
     team: Name
     added: tuple[Name, ...] = ()
     cancelled: tuple[Name, ...] = ()
+    deadline: Count | None = None
 
 
 class ProcessFault(Body, frozen=True):

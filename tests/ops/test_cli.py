@@ -126,6 +126,8 @@ def test_compile_writes_the_files(capsys: pytest.CaptureFixture[str], tmp_path: 
         (["inject", "brake", "T1.w1"], "unknown kind 'brake'. Supported: break ROBOT; move BODY"),
         (["inject", "pause", "T1"], "pause needs it"),
         (["inject", "drop", "T1", "share=2"], "share: expected a number from 0 to 1"),
+        (["inject", "deadline", "kitchen", "units=soon"], "units: expected units of time, 0 for no deadline"),
+        (["inject", "deadline", "kitchen"], "units: deadline needs it"),
         (["inject", "move", "T1.w1", "x=1"], "expected either x and y"),
         (["inject", "break", "T1.w1", "x=1"], "break does not take it"),
         (["inject", "break", "T1.w1", "x"], "expected NAME=VALUE"),

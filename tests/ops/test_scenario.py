@@ -174,6 +174,12 @@ def test_nobody_is_moved_off_the_floor(tmp_path: Path, target: str, where: str, 
     refused(tmp_path, text, place, expected)
 
 
+@pytest.mark.parametrize("kind", ['"stop"', '"deadline"\nunits = 9'])
+def test_who_is_conducted_is_not_stopped_and_keeps_no_deadline(tmp_path: Path, kind: str) -> None:
+    text = GOOD.replace('kind = "break"\ntarget = "T1.c1"', f'target = "T1"\nkind = {kind}')
+    refused(tmp_path, text, "line 16: fault[0].kind: ", "is for teams that act for themselves")
+
+
 def test_overrides_reach_every_key(tmp_path: Path) -> None:
     read = scenario(
         tmp_path,

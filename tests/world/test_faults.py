@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 
 from bus.faults import KINDS
-from bus.messages import Contact, Execute, Impair, Inject, Injected, Order, ProcessFault
+from bus.messages import Contact, Execute, Impair, Inject, Injected, Ok, Order, ProcessFault
 from bus.node import NoAnswer
 from bus.scene import Fault
 from tests.world.house import House, house, pot
@@ -269,13 +270,14 @@ def test_every_kind_of_the_vocabulary_is_supported() -> None:
     arguments: dict[str, dict[str, Any]] = {
         "move": {"x": 5, "y": 3}, "set": {"attribute": "state", "value": 1}, "order": {"add": 1},
         "cancel": {"objects": 1}, "pause": {"for_s": 1.0}, "drop": {"share": 0.0},
-        "delay": {"share": 0.0, "for_s": 1.0}, "repeat": {"share": 0.0}, "bring": {"what": "ball", "x": 3, "y": 3},
+        "delay": {"share": 0.0, "for_s": 1.0}, "repeat": {"share": 0.0}, "deadline": {"units": 9},
+        "bring": {"what": "ball", "x": 3, "y": 3},
     }  # fmt: skip
     targets = {
         "robot": "A.h1", "body": "A.h1", "object": "A.1", "new": "A.ball", "team": "A", "process": "A", "link": "A"
     }  # fmt: skip
     for kind, known in KINDS.items():
-        in_room = kind in ("bring", "take", "stop")
+        in_room = kind in ("bring", "take", "stop", "deadline")
         stage = House(house(pot("A", "1", 2, 2))) if in_room else stage_with()
         assert stage.inject(kind, targets[known.on], **arguments.get(kind, {})) == Injected(True), kind
         assert [e["kind"] for e in stage.events("fault_injected")] == [kind]
@@ -293,3 +295,35 @@ def test_who_is_lost_from_sight_is_reported_to_the_coordinator() -> None:
         ("A", "lost_contact"),
         ("coordinator", "lost_contact"),
     ]
+
+
+# ---------------------------------------------------------------- deadlines
+def test_a_deadline_is_changed_and_told_one_after_the_other() -> None:
+    stage = House(house(pot("A", "1", 2, 2)))
+    for units in (20, 30, 0):
+        assert stage.inject("deadline", "A", units=units).accepted
+    assert stage.bodies(Order, "coordinator") == [Order("A", deadline=20)]
+    assert [e["text"] for e in stage.events("order")] == [
+        "A has until 20 units of time from now on",
+        "A has until 30 units of time from now on",
+        "A has no deadline from now on",
+    ]
+    (first,) = [m.id for _, m in stage.sent if isinstance(m.body, Order)]
+    stage.deliver(msgspec.structs.replace(stage.mail("coordinator", Ok()), re=first))
+    assert stage.bodies(Order, "coordinator")[-1] == Order("A", deadline=30)
+
+
+@pytest.mark.parametrize(
+    ("target", "units", "reason"),
+    [
+        ("A", 2, "3 units of time have passed already"),
+        ("A", -1, "a deadline is a whole number of units of time, or 0 for none; not -1"),
+        ("A", "soon", "a deadline is a whole number of units of time, or 0 for none; not soon"),
+        ("Z", 9, "there is no team Z that keeps deadlines"),
+    ],
+)
+def test_a_deadline_that_makes_no_sense_is_refused(target: str, units: int | str, reason: str) -> None:
+    stage = House(house(pot("A", "1", 2, 2)))
+    stage.advance(7.0)
+    assert stage.inject("deadline", target, units=units).reason == reason
+    assert "keeps deadlines" in stage_with().inject("deadline", "A", units=9).reason
