@@ -25,7 +25,7 @@ TONES = {
     "help_wanted": "recovery", "help_offered": "recovery", "help_answered": "recovery", "help_confirmed": "recovery",
     "help_released": "recovery", "helper_left": "recovery", "helper_came": "recovery", "helper_sent_back": "recovery",
     "exchange": "success", "shared_plan": "success", "team_finished": "success", "run_over": "success",
-    "helper_returned": "success",
+    "helper_called": "recovery", "helper_gone": "cause", "waits_at_door": "recovery", "helper_returned": "success",
 }  # fmt: skip
 
 
