@@ -102,6 +102,12 @@ def test_levels_and_rooms_are_checked_across_the_house() -> None:
     refused = compile_setup(DOMAIN, {**GOOD, "house": {"geometry": "some"}})
     assert isinstance(refused, Refused)
     assert str(refused.errors[0]) == "house.geometry: expected one of none, static, interleaved, both; found some"
+    untimed = compile_setup(DOMAIN, {**GOOD, "house": {"durations": "none"}})
+    assert isinstance(untimed, Refused)
+    assert "teams.T1.minimise: expected nothing or attaches, since house.durations is none" in str(untimed.errors[0])
+    unknown = compile_setup(DOMAIN, {**GOOD, "house": {"durations": "some"}})
+    assert isinstance(unknown, Refused)
+    assert str(unknown.errors[0]) == "house.durations: expected one of planned, none; found some"
     twice = compile_setup(DOMAIN, {"teams": {"T1": TEAM, "T2": TEAM}})
     assert isinstance(twice, Refused)
     assert any("a room that no other team has" in wrong.expected for wrong in twice.errors)
