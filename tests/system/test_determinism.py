@@ -18,11 +18,15 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
 
 EVENTFUL = [
-    name
-    for name in SMALL
-    if load_domain(load(name).domain).data.conducted or load(name).faults or len(load(name).teams) > 1
+    *(
+        name
+        for name in SMALL
+        if load_domain(load(name).domain).data.conducted or load(name).faults or len(load(name).teams) > 1
+    ),
+    "housekeeping/three_rooms",
 ]
-"""Without those of a single team that acts for itself and meets with nothing."""
+"""The small ones, without those of a single team that acts for itself and meets with nothing; and three teams that act
+for themselves and help one another."""
 
 
 @pytest.mark.parametrize("name", EVENTFUL)
