@@ -134,8 +134,9 @@ class Helpers:
             return
         peers = tuple(team for team in teams if team != mind.team)
         known = tuple(sorted({*mind.memory.known, *peers}))
-        mind.keep(peers=peers, known=known, told=number)
-        self._mind_the_lost()
+        with mind.node.journal.transaction():
+            mind.keep(peers=peers, known=known, told=number)
+            self._mind_the_lost()
         self.tell()
 
     # ------------------------------------------------------------ who is out of contact, and what had to wait

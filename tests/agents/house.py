@@ -173,7 +173,7 @@ class Rooms:
                 comer.team, comer.at, comer.called = team, self._door(team, comer.came_from), False
             elif call.name == "recall" and comer.holds is not None:
                 comer.holds = None
-            elif comer.team not in ("bench", team):
+            elif call.name == "recall" and comer.team not in ("bench", team):
                 self._leave(comer)
         elif robot is None or robot.broken:
             pass

@@ -75,6 +75,38 @@ def test_an_asker_that_comes_back_too_late_plans_anew_and_asks_again(home: Home,
     assert helper(home)[-3:] == ["helper_returned", "helper_left", "helper_returned"]
 
 
+@pytest.mark.parametrize("team", ["kitchen", "living"])
+def test_who_is_lost_while_the_robot_goes_through_the_door(home: Home, team: str) -> None:
+    """Its own team's robot has left when the other one is known to be out of contact, and the guest likewise."""
+
+    def leaving() -> bool:
+        begun = home.processes[team].mind.mind.memory.begun
+        return begun is not None and begun.purpose == "leave"
+
+    other = "living" if team == "kitchen" else "kitchen"
+    home.until(leaving)
+    home.contact(other, "lost_contact")
+    lost_s = home.now_s
+    home.until(lambda: home.now_s >= lost_s + 40.0)
+    assert home.processes[team].lives == 1
+    home.contact(other, "back")
+    assert home.end().goal, home.story()
+    assert home.world.robots["kitchen.r2"].team == "kitchen"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("after", range(1, 14, 3))
+def test_a_helper_that_is_killed_while_it_calls_its_robot_home(home: Home, after: int) -> None:
+    home.until(lambda: "helper_came" in home.kinds())
+    home.contact("living", "lost_contact")
+    home.processes["kitchen"].left = after
+    home.until(lambda: "helper_returned" in home.kinds("kitchen"))
+    assert home.processes["kitchen"].lives == 2
+    home.contact("living", "back")
+    assert home.end().goal, home.story()
+    assert home.world.robots["kitchen.r2"].team == "kitchen"
+
+
 def test_who_does_not_come_home_is_given_up(home: Home) -> None:
     home.until(lambda: "helper_came" in home.kinds())
     home.world.robots["kitchen.r2"].there_s = 1e9

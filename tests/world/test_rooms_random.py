@@ -10,7 +10,7 @@ from bus.messages import Event, Frame
 from bus.scene import Solid, Stop
 from ops.recording import Recording
 from ops.touching import pushed, touching
-from tests.world.house import House, cart, go, house, human, room
+from tests.world.house import House, cart, do, go, house, human, pot, room
 
 TABLE = Solid("table", ((3.1, 3.2), (4.4, 2.9), (4.9, 4.6), (3.4, 4.8)))
 CELLS = st.tuples(st.integers(0, 7), st.integers(0, 7))
@@ -51,10 +51,44 @@ def test_nobody_touches_anybody(
                 told.state[f"at(r{i})"] == "({},{})".format(*goals[2 * i + turn]) and f"pose(r{i})" not in told.state
             )
             assert arrived == (f"r{i}" not in told.felt)
+    assert violations(stage) == []
+
+
+def violations(stage: House) -> list[str]:
     messages = [message for _, message in stage.sent]
     recording = Recording(
-        scene=scene,
+        scene=stage.scene,
         events=tuple(message for message in messages if isinstance(message.body, Event)),
         frames=tuple(message for message in messages if isinstance(message.body, Frame)),
     )
-    assert [*touching(recording, scene), *pushed(recording, scene)] == []
+    return [*touching(recording, stage.scene), *pushed(recording, stage.scene)]
+
+
+@pytest.mark.slow
+@settings(max_examples=12, deadline=None)
+@given(
+    places=st.lists(
+        CELLS.filter(lambda c: not 2 <= c[0] <= 5 or not 2 <= c[1] <= 5), min_size=8, max_size=8, unique=True
+    ),
+    holds=st.booleans(),
+)
+def test_whoever_is_called_home_touches_nobody(places: list[tuple[int, int]], holds: bool) -> None:
+    """It comes home, or it is said that it has no way; what it held lies by itself."""
+    guest, *others = places
+    bodies = [cart("B", f"c{i}", *others[i]) for i in range(2)] + [human("B", "anna", *others[2])]
+    things = [pot("B", f"p{i}", *([guest, *others[3:]][i])) for i in range(5)]
+    rooms = room("A", room_b=(3, 4, 7, 7)), room("B", TABLE, room_a=(0, 1, 0, 0))
+    stage = House(house(cart("A", "r1", 3, 7), *bodies, *things, rooms=rooms))
+    truth, robot = stage.world.truth, stage.world.truth.things["A.r1"]
+    truth.belongs(robot, "B", "r1")
+    truth.floor.put("A.r1", truth.layout.cell("B", *guest))
+    if holds:
+        assert stage.act("B", do("take", "r1", what="grip(p0,1)")).felt == {}
+    tries = 0
+    while robot.place != "A" and tries < 14 and "no way" not in robot.waits:
+        stage.act("A", do("home", "r1", robot="A.r1"))
+        tries += 1
+    assert robot.place == "A" or "no way" in robot.waits, stage.waits() + stage.reasons()
+    lying = [truth.cell(truth.things[f"B.p{i}"]) for i in range(5)]
+    assert len({*lying}) == 5
+    assert violations(stage) == []
