@@ -114,8 +114,9 @@ class Workspace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     Or a room, if it has the name of one: walls all round, cells x = 0..width-1, y = 0..height-1, cell (x,y) from x, y
     to x+1, y+1 metres from the south-west corner. `doors` leads from a room's name to the cells (west, east, south,
-    north) by which robots go there. `fluents` are what its sensors show besides the bodies; the one named `clock` tells
-    the periods since the run began, rounded up."""
+    north) by which robots go there, and where things are left that belong there; `store` is where things are kept that
+    belong here. `fluents` are what its sensors show besides the bodies; the one named `clock` tells the periods since
+    the run began, rounded up."""
 
     team: Name
     width: Annotated[int, msgspec.Meta(ge=1)]
@@ -125,6 +126,7 @@ class Workspace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     room: str = ""
     solids: tuple[Solid, ...] = ()
     doors: dict[str, tuple[Count, Count, Count, Count]] = {}
+    store: tuple[Count, Count, Count, Count] | None = None
     fluents: dict[str, Value] = {}
     clock: str = ""
 

@@ -1,4 +1,4 @@
-"""From what a domain's set-up says of rooms to what the world is told of them: walls, furniture, doors, and walks.
+"""From what a domain's set-up says of rooms to what the world is told of them: walls, furniture, areas, and walks.
 
 Which constants say so is named in ``domain.toml`` under ``[geometry]`` (see `reasoning.geometry`); cells are squares of
 one metre, constants are integers in centimetres.
@@ -30,7 +30,7 @@ def walls(domain: Domain, setup: Setup, team: str) -> dict[str, Any]:
     here = state.get(names.get("room", ""))
     if here is None:
         return {}
-    solids, doors = [], {}
+    solids, areas = [], {}
     for key, value in setup.static.items():
         match parse(key):
             case name, (where, other) if name == names["solid"] and where == here:
@@ -38,12 +38,14 @@ def walls(domain: Domain, setup: Setup, team: str) -> dict[str, Any]:
                 solids.append(
                     {"name": other, "corners": corners, "tall": f"{names['tall']}({here},{other})" in setup.static}
                 )
-            case name, (where, other) if name == names["area"] and where == here != other:
-                doors[str(other)] = _numbers(value)
+            case name, (where, other) if name == names["area"] and where == here:
+                areas[str(other)] = _numbers(value)
+    store = areas.pop(str(here), None)
     return {
         "room": str(here),
         "solids": solids,
-        "doors": doors,
+        "doors": areas,
+        "store": store,
         "fluents": {fluent: value for fluent, value in state.items() if "(" not in fluent},
         "clock": domain.data.costs.get("clock", ""),
     }

@@ -29,6 +29,7 @@ class Canvas:
         self._bits = [[0] * columns for _ in range(rows)]
         self._letters = [[""] * columns for _ in range(rows)]
         self._styles = [[""] * columns for _ in range(rows)]
+        self._grounds = [[("", "")] * columns for _ in range(rows)]
 
     def dot(self, x: int, y: int, style: str) -> None:
         column, row = x // ACROSS, y // DOWN
@@ -90,6 +91,13 @@ class Canvas:
                 if 0 <= i < self.columns:
                     self._letters[row][i], self._styles[row][i] = letter, style
 
+    def ground(self, start: Point, end: Point, letter: str, style: str) -> None:
+        """A letter in every cell of an area where nothing else is, from its upper left to its lower right corner: in
+        the cells whose middle is inside, and in one in any case."""
+        for row in _covered(start[1] / DOWN, end[1] / DOWN, self.rows):
+            for column in _covered(start[0] / ACROSS, end[0] / ACROSS, self.columns):
+                self._grounds[row][column] = letter, style
+
     def written(self, column: int, row: int) -> bool:
         """Whether there is a letter, or no such cell."""
         inside = 0 <= row < self.rows and 0 <= column < self.columns
@@ -102,7 +110,10 @@ class Canvas:
     def _row(self, y: int) -> Text:
         text = Text(end="", no_wrap=True)
         run, style = "", ""
-        for letter, bits, tone in zip(self._letters[y], self._bits[y], self._styles[y], strict=True):
+        cells = zip(self._letters[y], self._bits[y], self._styles[y], self._grounds[y], strict=True)
+        for letter, bits, tone, ground in cells:
+            if not letter and not bits:
+                letter, tone = ground
             if tone != style:
                 text.append(run, style=style)
                 run, style = "", tone
@@ -113,6 +124,14 @@ class Canvas:
     def _centres(self, enter: float, leave: float) -> Iterable[int]:
         """The dots of a row whose middle lies between."""
         return range(max(ceil(enter - 0.5), 0), min(ceil(leave - 0.5), self.columns * ACROSS))
+
+
+def _covered(low: float, high: float, size: int) -> range:
+    """The cells, of so many, whose middle lies between; the one in the middle if there is none."""
+    first, last = ceil(low - 0.5), ceil(high - 0.5)
+    if first >= last:
+        first, last = floor((low + high) / 2), floor((low + high) / 2) + 1
+    return range(max(first, 0), min(last, size))
 
 
 def _crossings(edges: Sequence[tuple[Point, Point]], y: float) -> Iterator[float]:

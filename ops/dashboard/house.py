@@ -18,6 +18,8 @@ from ops.dashboard.rooms import Door, Room, View, extent
 from ops.dashboard.text import Block, clean, joined
 
 WALL, TALL, LOW, DOOR = "white", "bright_black", "bright_black", "bold green"
+STORE, NEXT = ("·", "dim"), (":", "dim")
+"""Where things lie that belong here, and those for the room next door."""
 THING, HEAVY, PERSON, HELD, GUEST = "yellow", "bold yellow", "bold magenta", "=", "»"
 ROBOTS = ("bright_cyan", "bright_green", "bright_blue")
 """By turns, so that ways that cross can be told apart."""
@@ -44,6 +46,7 @@ def signs(scene: Scene) -> list[Text]:
         joined(("⠂⠐⠠", ROBOTS[0]), " way"),
         joined(("⣿", TALL), ("⢕", LOW), " furniture"),
         joined(("↑", DOOR), " door"),
+        *([joined(STORE, " own"), joined(NEXT, " next door")] if any(w.store for w in scene.workspaces) else []),
     ]
 
 
@@ -67,6 +70,10 @@ def draw(model: Model, views: Sequence[View]) -> Block:
     teams = {space.room: space for space in (model.scene.workspaces if model.scene else ())}
     for view in views:
         space = teams[view.room.name]
+        for area in space.doors.values():
+            canvas.ground(*view.area(*area), *NEXT)
+        if space.store is not None:
+            canvas.ground(*view.area(*space.store), *STORE)
         for solid in space.solids:
             canvas.polygon([view.dots(*c) for c in solid.corners], TALL if solid.tall else LOW, sparse=not solid.tall)
         _walls(canvas, view)

@@ -60,6 +60,10 @@ class View(NamedTuple):
         left, top = (self.column + 1) * ACROSS, (self.row + 1) * DOWN
         return left + x_m * self.scale, top + (self.room.height_m - y_m) * self.scale
 
+    def area(self, west: int, east: int, south: int, north: int) -> tuple[Point, Point]:
+        """The upper left and the lower right corner of an area, from the first cell to the last both ways."""
+        return self.dots(west, north + 1), self.dots(east + 1, south)
+
 
 class Arrangement(NamedTuple):
     """Where all rooms go, and how much the picture is worth: its scale, and more if it is a floor plan."""

@@ -19,14 +19,14 @@ ROOMS = (
     Workspace("T1", 8, 8, room="bedroom", clock="elapsed",
               solids=(Solid("bed", ((0, 3.6), (2.15, 3.0), (2.55, 4.2), (0, 5.2))),
                       Solid("wardrobe", ((5.2, 5.4), (6.5, 6.9), (6.0, 7.35), (4.7, 5.85)), tall=True)),
-              doors={"living_room": (7, 7, 3, 4), "kitchen": (3, 4, 7, 7)}),
+              doors={"living_room": (7, 7, 3, 4), "kitchen": (3, 4, 7, 7)}, store=(5, 7, 0, 3)),
     Workspace("T2", 8, 8, room="kitchen", clock="elapsed",
               solids=(Solid("table", ((3.0, 2.2), (5.8, 2.2), (5.8, 3.8), (3.0, 3.8))),),
-              doors={"living_room": (3, 4, 7, 7), "bedroom": (0, 0, 3, 4)}),
+              doors={"living_room": (3, 4, 7, 7), "bedroom": (0, 0, 3, 4)}, store=(0, 2, 0, 3)),
     Workspace("T3", 16, 8, room="living_room", clock="elapsed",
               solids=(Solid("sofa", ((4.0, 6.0), (7.2, 5.6), (7.35, 6.8), (4.15, 7.2)), tall=True),
                       Solid("coffee_table", ((5.0, 3.8), (6.4, 3.8), (6.4, 4.5), (5.0, 4.5)))),
-              doors={"kitchen": (11, 12, 0, 0), "bedroom": (0, 0, 3, 4)}),
+              doors={"kitchen": (11, 12, 0, 0), "bedroom": (0, 0, 3, 4)}, store=(13, 15, 2, 5)),
 )  # fmt: skip
 PLAN = (("goto(r1,1,2)",), ("attach(r1)",), ("goto(r1,6,2)",), ("detach(r1)",))
 

@@ -56,6 +56,17 @@ def test_a_cell_has_the_colour_of_what_was_drawn_last() -> None:
     assert [(row.plain[s.start : s.end], s.style) for s in row.spans] == [("⠉", "red"), ("⡉", "blue"), ("⠉⠉", "red")]
 
 
+def test_a_ground_shows_where_nothing_is_drawn_and_never_vanishes() -> None:
+    canvas = Canvas(8, 3)
+    canvas.ground((2, 0), (9, 8), "·", "dim")
+    canvas.ground((13, 9), (13.5, 10), ":", "dim")
+    canvas.ground((-9, -9), (-1, -1), "x", "dim")
+    canvas.dot(4, 5, "red")
+    canvas.text(3, 1, "r", "bold")
+    assert drawn(canvas) == [" ···    ", " ·⠂r    ", "      : "]
+    assert not canvas.written(1, 0)
+
+
 NUMBERS = st.floats(-200, 200)
 POINTS = st.tuples(NUMBERS, NUMBERS)
 

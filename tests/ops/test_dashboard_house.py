@@ -40,15 +40,15 @@ GOLDEN = """\
  muster  made-up  three rooms                                            21.0 s
  coordinator waiting for the rooms
  ⢀⣀⣀⣀⣀⣀⣀⣀ ↑ki⢀⣀⣀⣀⣀⣀⣀⡀⢀ T3 living_room ⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⡀⢀⣀⣀⣀⣀⣀⣀⣀ ↑li⢀⣀⣀⣀⣀⣀⣀⡀
- ⢸             ⣀    ⡇⢸         ⢀⣀⡀                        ⡇⢸   ⠄ ⠠            ⡇
+ ⢸       ::::  ⣀    ⡇⢸         ⢀⣀⡀                        ⡇⢸   ⠄ ⠠ ::::       ⡇
  ⢸           ⢀⣾⡿⠃   ⡇⢸         ⣾sofa⣷⣶⡆                   ⡇⢸r1=pan            ⡇
- ⢸          ⠘⢿⠟     ⡇⢸         ⠉⠉⠛⠛⠛⠿⠿⠃                   ⡇⢸  ⢠⣥⣀⣬⡄r2=pan     ⡇
- ⢸⣗r1=pillow_1⠐     ⠁⠈           ⣀⣀⣀⡀                     ⡇⠈   ⠉ ⠉   anna⠚⠃   ⡇
- ⢸⣗bed⢕⡆⢀⡀  »r2⠨⣶   →←           ⠷⠵⠵⠇                     ⡇←      ⢀⣀⣀⣀⣀⣀⣀     ⡇
- ⢸ ⠉⠑⠓⠽ ⠙⠃⠂⠠ ⡀⢀     ⡄⢠                                    ⡇⢠      ⢸table⢽     ⡇
- ⢸              ⠁   ⡇⢸              ⠙ novel_1             ⡇⢸      ⠘⠓⠓⠓⠓⠓⠛     ⡇
- ⢸                  ⡇⢸                                    ⡇⢸                  ⡇
- ⢸                  ⡇⢸                                    ⡇⢸                  ⡇
+ ⢸          ⠘⢿⠟     ⡇⢸         ⠉⠉⠛⠛⠛⠿⠿⠃            ·······⡇⢸  ⢠⣥⣀⣬⡄r2=pan     ⡇
+ ⢸⣗r1=pillow_1⠐   ::⠁⠈::         ⣀⣀⣀⡀              ·······⡇⠈:: ⠉ ⠉   anna⠚⠃   ⡇
+ ⢸⣗bed⢕⡆⢀⡀  »r2⠨⣶···→←::         ⠷⠵⠵⠇              ·······⡇←······⢀⣀⣀⣀⣀⣀⣀     ⡇
+ ⢸ ⠉⠑⠓⠽ ⠙⠃⠂⠠ ⡀⢀·····⡄⢠::                           ·······⡇⢠······⢸table⢽     ⡇
+ ⢸           ···⠁···⡇⢸              ⠙ novel_1      ·······⡇⢸······⠘⠓⠓⠓⠓⠓⠛     ⡇
+ ⢸           ·······⡇⢸                                    ⡇⢸·······           ⡇
+ ⢸           ·······⡇⢸                         ::::       ⡇⢸·······           ⡇
  ⠈ T1 bedroom ⠉⠉⠉⠉⠉⠉⠁⠈⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉ ↓ki⠈⠉⠉⠉⠉⠉⠉⠁⠈ T2 kitchen ⠉⠉⠉⠉⠉⠉⠁
  ● T1            7/25 ━━────  executing step 2  goto(r1…  » r2 of T3 helps here
  ● T2           22/25 ━━━━━─  executing step 2  goto(r1,6,2)
@@ -69,6 +69,18 @@ def test_everybody_and_everything_is_told_at_every_promised_size(width: int, hei
                   "bedroom", "kitchen", "living_room", "door", "helper", "q quit"):  # fmt: skip
         assert words in text
     assert "step 3" not in text.splitlines()[0]  # every team counts steps of its own
+
+
+@pytest.mark.parametrize(("width", "height", "own", "next_door"), [(80, 24, 7, 2), (160, 50, 12, 4)])
+def test_areas_are_told_apart_and_explained(width: int, height: int, own: int, next_door: int) -> None:
+    """Of the bedroom, in the south-east its own; in the north and in the east those for the rooms next door."""
+    lines = picture(folded([scene(3)]), width, height)
+    rows = [line[: line.index("⡇") if "⡇" in line else 0] for line in lines]
+    assert any(row.endswith("·" * own) for row in rows)
+    assert any(line[: width // 3].count(":" * next_door) == 1 for line in lines)
+    assert "· own : next door" in " ".join(lines[-2:])
+    sizes = [replace(space, store=None) for space in ROOMS]
+    assert "own" not in " ".join(picture(folded([replace(scene(3), workspaces=tuple(sizes))]), width, height)[-2:])
 
 
 def test_a_plan_is_shown_around_its_current_step() -> None:

@@ -46,6 +46,7 @@ def test_the_world_is_told_of_walls_doors_people_and_what_is_heavy() -> None:
     assert (kitchen.room, kitchen.width, kitchen.height, bedroom.room) == ("kitchen", 6, 5, "bedroom")
     assert kitchen.solids == (Solid("shelf", ((4.0, 3.0), (5.0, 3.0), (4.5, 4.0)), tall=True),)
     assert (kitchen.doors, bedroom.doors) == ({"bedroom": (5, 5, 1, 2)}, {})
+    assert (kitchen.store, bedroom.store) == ((0, 1, 0, 2), (0, 1, 0, 2))
     assert (kitchen.fluents, kitchen.clock) == ({"room": "kitchen", "elapsed": 0, "attaches": 0}, "elapsed")
     bodies = {entity.id: entity for entity in scene.entities}
     assert (bodies["K.pan"].end, bodies["K.pan"].known, bodies["K.cup"].end) == ("(3,4)", False, "")
