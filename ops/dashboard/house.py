@@ -46,7 +46,8 @@ def signs(scene: Scene) -> list[Text]:
         joined(("⠂⠐⠠", ROBOTS[0]), " way"),
         joined(("⣿", TALL), ("⢕", LOW), " furniture"),
         joined(("↑", DOOR), " door"),
-        *([joined(STORE, " own"), joined(NEXT, " next door")] if any(w.store for w in scene.workspaces) else []),
+        *([joined(STORE, " own")] if any(space.store for space in scene.workspaces) else []),
+        *([joined(NEXT, " next door")] if any(space.doors for space in scene.workspaces) else []),
     ]
 
 
