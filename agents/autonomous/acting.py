@@ -97,8 +97,8 @@ class Acting:
             if now.help.engaged:
                 mind.show("waiting for its robot")
             else:
-                why = dict.fromkeys(mind.words.things(now.state), "no robot is left that works")
-                self._thought(Thought(None, None, {**why, **now.aside}))
+                undone = mind.patiently(lambda: mind.thinking.misplaced(now.state, now.aside))
+                self._thought(Thought(None, None, dict.fromkeys(undone, "no robot is left that works") | now.aside))
             return
         self._thinking = True
         mind.show("planning")
@@ -211,7 +211,7 @@ class Acting:
             elif begun.purpose in ("drive_on", "safe"):
                 recovering.after_driving(mind, begun, before, body)
             else:
-                self.escort.executed(begun)
+                self.escort.executed(begun, before.state, body.felt)
         self.helpers.catch_up()
         self.go_on()
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from agents.autonomous import helping, recovering
+from agents.autonomous.beliefs import of_body
 from agents.autonomous.helpers import Helpers
 from agents.autonomous.memory import Begun, Purpose
 from agents.autonomous.mind import Mind
 from agents.autonomous.ways import NoWay
 from bus.messages import SkillCall, State
 from reasoning.geometry import Cell, cell
+from reasoning.solver import parse
 
 Execute = Callable[[Purpose, tuple[str, ...], tuple[SkillCall, ...]], None]
 
@@ -26,6 +28,9 @@ class Escort:
         """Do what help asks for now; False if that is nothing, and the plan goes on."""
         now = self.mind.memory
         match now.help.phase:
+            case "called" | "here" if self._is_missing():
+                self.helpers.take(helping.withdraw(now.help))
+                return False
             case "called":
                 robot = now.help.name or self._choose()
                 if self.mind.words.held(now.state, robot) is None:
@@ -51,6 +56,11 @@ class Escort:
                 self._fetch_home()
                 return True
         return False
+
+    def _is_missing(self) -> bool:
+        """Is the robot broken that was to go, or any that could?"""
+        now, robots = self.mind.memory, self.mind.words.robots(self.mind.memory.state)
+        return now.help.name not in robots if now.help.name else not robots
 
     def _choose(self) -> str:
         """An offer did not say which robot would go."""
@@ -83,7 +93,9 @@ class Escort:
 
     def _fetch_home(self) -> None:
         mind, now = self.mind, self.mind.memory
-        if now.help.name not in mind.words.robots(now.state):
+        if now.help.name in now.broken:
+            self._is_home()
+        elif now.help.name not in mind.words.robots(now.state):
             self._execute("enter", (), self.entering())
         elif now.stood and recovering.written(mind.words.cell(now.state, now.help.name) or (-1, -1)) != now.stood:
             self._drive("home", now.help.name, [cell(now.stood)])
@@ -135,9 +147,15 @@ class Escort:
         mind.wait(1)
 
     # ------------------------------------------------------------ what came of it
-    def executed(self, begun: Begun) -> None:
-        """A step on the way between rooms is over; one that failed is tried again."""
+    def executed(self, begun: Begun, before: State, felt: Mapping[str, str]) -> None:
+        """A step on the way between rooms is over; one that failed is tried again, unless its robot did nothing and
+        felt nothing."""
         mind, now = self.mind, self.mind.memory
+        for robot in (str(parse(action)[1][0]) for action in begun.actions if begun.purpose != "recall"):
+            idle = of_body(now.state, robot) == of_body(before, robot)
+            if idle and robot in mind.words.robots(now.state) and robot not in felt:
+                recovering.broken_outside_plan(mind, robot, begun.step)
+                return
         if begun.purpose == "leave" and now.help.name not in mind.words.robots(now.state):
             partner, guest = now.help.partner, now.help.asker
             kind, text = ("helper_sent_back", "sends") if guest else ("helper_left", "has")

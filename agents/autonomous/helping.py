@@ -137,8 +137,9 @@ def give_up(help_: Help) -> Help:
 
 
 def withdraw(help_: Help) -> Help:
-    """The work was done before the helper has left for here."""
-    assert help_.phase == "coming", help_.phase
+    """The work was done before the helper has left for here; or its robot broke before it has left, or with the asker,
+    who cannot send it back."""
+    assert help_.phase in ("coming", "called", "here"), help_.phase
     return replace(alone(help_), off=(*help_.off, (help_.partner, help_.caller, help_.call)))
 
 

@@ -118,10 +118,23 @@ def _do_without(mind: Mind, begun: Begun, before: Memory) -> None:
     said = " or ".join("{" + ", ".join(c) + "}" for c in causes_) or "nothing that it knows of"
     mind.emit("diagnosis", f"explains it by {said}", step=begun.step, causes=causes_)
     broken = {robot for d in found[:1] for robot in broken_in(d)}
-    held = {end[0]: robot for robot in broken if (end := words.held(now.state, robot)) is not None}
+    _leave_be(mind, broken)
+
+
+def _leave_be(mind: Mind, broken: set[str]) -> None:
+    """Broken robots stay where they are, and so does what they hold."""
+    now = mind.memory
+    held = {end[0]: robot for robot in broken if (end := mind.words.held(now.state, robot)) is not None}
     aside = {thing: f"{robot}, which is broken, holds it" for thing, robot in sorted(held.items())}
     mind.keep(aside={**now.aside, **aside})
     mind.do_without(broken)
+
+
+def broken_outside_plan(mind: Mind, robot: str, step: int) -> None:
+    """A robot that was to go to another room, or back, did not."""
+    _tell(mind, Cause("robot_broken", robot, robot), step)
+    _leave_be(mind, {robot})
+    mind.keep(course=None, need=None, looked=False, resting=False)
 
 
 def _details(begun: Begun) -> dict[str, dict[str, Value]]:

@@ -127,7 +127,7 @@ class Thinking:
         self, static: dict[str, Value], now: State, guest: State, left: dict[str, str], heavy: list[str], late: bool
     ) -> Thought:
         """Heavy things in the last steps alone, and the helper idle before: what comes first is done alone."""
-        here, singles = self._words.here(now), len(self._misplaced(now, left)) - len(heavy)
+        here, singles = self._words.here(now), len(self.misplaced(now, left)) - len(heavy)
         first = 4 * -(-singles // max(len(self._words.robots(now)), 1))
         for last in LAST_STEPS:
             names = enumerate([*heavy, GUEST], OWN)
@@ -190,8 +190,9 @@ class Thinking:
         others = {n: "" for n in self._words.things(now) if n != thing}
         return self._hopeless(static, now, {**left, **others})
 
-    def _misplaced(self, now: State, left: Mapping[str, str]) -> list[str]:
-        """Things that are not where they belong, in the order of their names."""
+    def misplaced(self, state: State, left: Mapping[str, str]) -> list[str]:
+        """Things that are not where they belong, in the order of their names, but for those that are left."""
+        now = problem_state(self._words, state)
         bounds = {
             n: self._bound(now, {**left, **{o: "" for o in self._words.things(now) if o != n}})
             for n in self._words.things(now)

@@ -165,6 +165,8 @@ class Rooms:
         robot = next(own, None)
         if call.name in ("enter", "recall"):
             comer = self.robots[str(call.detail["robot"])]
+            if comer.broken:
+                return
             if (
                 comer.team == "bench"
                 and comer.there_s <= self.now_s + 1e-9
