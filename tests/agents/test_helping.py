@@ -88,6 +88,8 @@ class Team:
                 kind = "want" if help_.kind != "want" or help_.phase == "none" else "offer"
                 peers = [t for t in TEAMS if t != self.name and t not in house.lost]
                 self.help = helping.call(self.name, help_, kind, 5, False, "", peers)  # type: ignore[arg-type]
+            case "called" | "here" if house.dice.random() < 0.1:  # the robot broke
+                self.help = helping.withdraw(help_)
             case "called" if self.robot == self.name:
                 self.robot = f"to {help_.partner}"
                 self.help = helping.left(helping.chosen(help_, f"{self.name}.r", "r"))
