@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from bench import diagnose, plan, share, teams
+from bench import diagnose, housekeeping, plan, share, teams
 from bench.measured import Options, summary
 
 QUICK = Options(runs=1, limit_s=1.0, quick=True)
@@ -53,6 +53,28 @@ def test_diagnoses_beside_the_enumeration() -> None:
     assert (small["runs"], small["finished"], small["agreed"]) == (1, 0, 0)
     assert (large["runs"], large["truth_found"]) == (2, 2)
     assert large["mean_expected"] <= large["mean_arbitrary_useful"] <= large["mean_arbitrary"]
+
+
+@pytest.mark.slow
+def test_rooms_at_levels_of_geometry_beside_the_reference(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(housekeeping, "SIZES", housekeeping.SIZES[1:3])
+    done: list[list[int]] = []
+    chosen = QUICK._replace(limit_s=60.0, only=("none", "both", "reference"))
+    result = housekeeping.run(chosen, lambda row: done.append(row["size"]))
+    assert done == [[1, 3, 12], [1, 1, 4]]
+    assert set(result["total_s"]) == {"none", "both", "reference"}
+    for row in result["problems"]:
+        for section in ("none", "both", "reference"):
+            assert (row[section]["status"], row[section]["steps"]) == ("optimal", row["size"][2])
+        assert row["both"]["checked"]
+        assert row["both"]["replans"] == 0 < row["both"]["queries"]
+    monkeypatch.setattr(sys, "argv", ["housekeeping", "--runs", "1", "--limit", "0.01", "--only", "both"])
+    housekeeping.main()
+    told = capsys.readouterr().out.splitlines()
+    assert [line.split()[:4] for line in told if "/" in line][1:] == [["1", "3", "12", ">"], ["1", "1", "4", ">"]]
+    assert told[-1] == "both: 0 replans (target 0)"
 
 
 def test_a_drawn_team_is_the_same_in_every_size_and_every_fourth_has_one_worker() -> None:
