@@ -106,21 +106,26 @@ def examine(
             violations.append(Violation(e.taker, e.take_step, f"{e.worker} as {e.known_as}", "unknown", text))
     facts += [f"kind({quoted(t)},{robot},{kind})." for t, some in (kinds or {}).items() for robot, kind in some.items()]
     facts += [f"breaks({quoted(b.team)},{b.robot},{b.step})." for b in breaks if is_term(b.robot)]
-    return _verdict(domain, _judged(domain, static, states, facts), violations)
+    return _verdict(domain, judged(domain, static, states, facts), violations)
 
 
-def _judged(
-    domain: Domain, static: Mapping[str, Value], states: Mapping[str, State], facts: Sequence[str]
+def judged(
+    domain: Domain,
+    static: Mapping[str, Value],
+    states: Mapping[str, State],
+    facts: Sequence[str],
+    entries: Sequence[str] = ("check",),
 ) -> tuple[Atom, ...]:
     """What the program says, once it has been told of all ways that it asks for. Where a step leads depends on the ways
     in the steps before it, so this ends after as many rounds as there are steps, if not sooner."""
+    programs = [domain.program(entry) for entry in entries]
     if not domain.data.geometry:
-        return models([domain.program("check")], facts, optimum=True)[-1].atoms
+        return models(programs, facts, optimum=True)[-1].atoms
     from reasoning import replay  # only now: slow to import, and most domains do without
 
     ways: list[str] = []
     while True:
-        (*_, model) = models([domain.program("check")], [*facts, *ways], optimum=True)
+        (*_, model) = models(programs, [*facts, *ways], optimum=True)
         told = replay.facts(domain, static, states, model.atoms)
         if told == ways:
             return model.atoms
