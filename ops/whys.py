@@ -6,59 +6,88 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ops.shares import DELAY
+from bus.clock import wall_s
 from ops.tables import InputError
 from ops.whyasker import Asker, Part
+from ops.whysharing import PUBLISHED, published, sharing
 from ops.whysubjects import Subject
 from reasoning.diagnoser import broken_in, diagnose
 from reasoning.domain import Domain
 from reasoning.planner import Planner
-from reasoning.reasons import Role, contradicts, never, no_plan, no_sharing, not_possible
+from reasoning.prospects import prospects
+from reasoning.reasons import (
+    Role,
+    contradicts,
+    never,
+    never_in_time,
+    no_plan,
+    no_sharing,
+    not_possible,
+    without_time,
+)
 from reasoning.solver import parse
 from reasoning.values import Case, Diagnosis, Problem
 from reasoning.why import Clash, Possible, Unknown
 
 BEYOND = 12
 """A length that suffices is looked for up to so many steps beyond the one that is asked about."""
-PUBLISHED = "nobody lends or borrows more than one robot, and nobody does both"
 BOUND = 3
 """At most so many robots are suspected at once."""
 
 
 # ---------------------------------------------------------------- no plan, or none that is shorter
-def no_plan_at_all(asker: Asker) -> list[Part]:
-    """Why is there no plan, however long? For several teams, which of them stand in the way, then why they do."""
+def no_plan_at_all(asker: Asker, team: str = "") -> list[Part]:
+    """Why is there no plan, however long? For teams that share their robots, which of them stand in the way, then why
+    they do; for others, why each of them, or only `team`, does."""
     subject = asker.subject
-    own = {team: replace(subject.problem(team), guest="") for team in subject.states}
+    own = {name: replace(subject.problem(name), guest="") for name in subject.states}
+    if len(own) == 1 or not subject.domain.data.exchanged:
+        asked = {name: problem for name, problem in own.items() if team in ("", name)}
+        hopeless = {name: problem for name, problem in asked.items() if Planner(problem).hopeless()}
+        return [_never(asker, name, problem, "") for name, problem in (hopeless or asked).items()]
     alone = [team for team, problem in own.items() if Planner(problem).hopeless()]
-    if len(own) == 1:
-        return [_never(asker, team, problem, "") for team, problem in own.items()]
-    _published(subject)
+    published(subject)
     helpless = {team: -1 for team in alone if Planner(subject.problem(team)).hopeless()}
     make = no_sharing(1, 0, own, alone=alone, late=helpless)
     possible = "nothing speaks against a shared plan as long as time is left out; ask --within STEPS"
     shared = asker.part("there is no shared plan, however long", make, possible, PUBLISHED, shared=True)
     parts = [shared]
     for member in shared.result.members if isinstance(shared.result, Clash) else ():
-        name, (team, *_) = parse(member)
+        name, (who, *_) = parse(member)
         helped = name == "late"
-        problem = subject.problem(str(team)) if helped else own[str(team)]
-        parts.append(_never(asker, str(team), problem, " even with a borrowed robot" if helped else " alone"))
+        problem = subject.problem(str(who)) if helped else own[str(who)]
+        parts.append(_never(asker, str(who), problem, " even with a borrowed robot" if helped else " alone"))
     return parts
 
 
 def _never(asker: Asker, team: str, problem: Problem, how: str) -> Part:
+    """Without a thought of time, and where that explains nothing and there is a deadline, with it."""
+    claim = f"{team} has no plan{how}, however long"
     possible = (
         f"{team}: nothing speaks against a plan{how} as long as time and crowding are left out; ask --within STEPS"
     )
-    return asker.part(f"{team} has no plan{how}, however long", never(problem), possible)
+    part = asker.part(claim, never(problem), possible)
+    untimed = without_time(problem)
+    if not isinstance(part.result, Possible) or untimed == problem:
+        return part
+    longest = prospects(problem).longest
+    found = Planner(untimed, clock=wall_s).shortest(seconds=asker.left_s())
+    if found.plan is None:
+        return part
+    enough = max(longest, found.plan.makespan)
+    note = f"without the deadline, {enough} steps were tried"
+    return asker.part(claim, never_in_time(problem, enough), f"{team} can finish in {enough} steps", note)
 
 
 def not_within(asker: Asker, within: int, team: str = "") -> list[Part]:
-    """Why is there no plan of at most `within` steps? For several teams, which of them, and which exchanges, stand in
-    the way; then, with `team`, why that one cannot."""
-    if len(asker.subject.states) == 1:
-        return [_refused(asker, next(iter(asker.subject.states)), within)]
+    """Why is there no plan of at most `within` steps? For teams that share their robots, which of them, and which
+    exchanges, stand in the way; then, with `team`, why that one cannot. For others, why each of them, or only `team`,
+    cannot."""
+    teams = list(asker.subject.states)
+    if len(teams) == 1 or not asker.subject.domain.data.exchanged:
+        asked = [name for name in teams if team in ("", name)]
+        late = [name for name in asked if len(asked) > 1 and not asker.can(name, "alone", within)]
+        return [_refused(asker, name, within) for name in late or asked]
     shared = sharing(asker, f"there is no shared plan of {within} steps", within)
     return [shared, *(_members(asker, shared.result, within, team) if team else ())]
 
@@ -102,63 +131,6 @@ def _refused(
 
 
 # ---------------------------------------------------------------- who lends, who borrows
-def sharing(
-    asker: Asker,
-    claim: str,
-    within: int,
-    must: Mapping[str, Role] | None = None,
-    may_not: Mapping[str, Role] | None = None,
-) -> Part:
-    """The coordinator's question, from what the teams answer. Raises `EndedError`, and `InputError` where teams share
-    their robots without the published limits: that is not explained yet."""
-    if asker.subject.static.get("sharing", "published") != "published":
-        raise InputError(
-            "general sharing is not explained yet; ask of one team with --within and a scenario of its own"
-        )
-    must, may_not = must or {}, may_not or {}
-    teams = sorted(asker.subject.states)
-    alone = [team for team in teams if not asker.can(team, "alone", within)]
-    borrowers = {*alone, *(team for team, role in must.items() if role == "borrow")}
-    delay = int(asker.subject.static.get(DELAY, 0))
-    late = {team: _latest(asker, team, within) for team in sorted(borrowers)}
-    useful = sorted({step - delay for step in late.values() if step >= delay})
-    early = {team: _earliest(asker, team, within, useful) for team in teams if team not in alone}
-    make = no_sharing(within, delay, teams, alone=alone, early=early, late=late, must=must, may_not=may_not)
-    refuted = "what a team cannot do was refuted by its own planner"
-    return asker.part(claim, make, f"{within} steps are possible so", PUBLISHED, refuted, shared=True)
-
-
-def _published(subject: Subject) -> None:
-    """Raises `InputError` where teams share their robots without the published limits."""
-    if subject.static.get("sharing", "published") != "published":
-        raise InputError(f"{subject.name}: only sharing under the published limits can be explained; this is general")
-
-
-def _earliest(asker: Asker, team: str, within: int, useful: Sequence[int]) -> int:
-    """A step before which the team cannot lend, as far as it matters: some borrower has use for a robot that is given
-    by one of the useful steps, and none for later ones."""
-    low, high = 0, len(useful)
-    while low < high:
-        middle = (low + high) // 2
-        if asker.can(team, "lend", within, useful[middle]):
-            high = middle
-        else:
-            low = middle + 1
-    return useful[low - 1] + 1 if low else 0
-
-
-def _latest(asker: Asker, team: str, within: int) -> int:
-    """The latest step from which the team can borrow; -1 if that does not help at all."""
-    low, high = -1, within - 1
-    while low < high:
-        middle = (low + high + 1) // 2
-        if asker.can(team, "borrow", within, middle):
-            low = middle
-        else:
-            high = middle - 1
-    return low
-
-
 def other_role(asker: Asker, role: Role, team: str, other: str, deep: str = "") -> list[Part]:
     """Why does `team` lend or borrow, and not `other`, in a plan of this length? Then, with `deep`, why that team
     cannot do what stands in the way. Raises `InputError` if it does not."""
@@ -184,7 +156,7 @@ def other_role(asker: Asker, role: Role, team: str, other: str, deep: str = "") 
 def impossible(asker: Asker, team: str, action: str, step: int) -> list[Part]:
     """Why was this action not possible in this step, beside what was done in it?"""
     subject = asker.subject
-    steps = subject.teams[team]
+    steps = subject.teams.get(team, ())
     if not 0 <= step <= len(steps):
         raise InputError(f"--step {step}: {team} has steps 0 to {len(steps)}")
     guest = parse(action)[1][0] if _skill(subject.domain, action) == "arrive" else ""

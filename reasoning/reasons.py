@@ -6,12 +6,13 @@ Each function gives a maker of fresh programs for `reasoning.why.explain`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
-from reasoning.checker import Break, Exchange, is_term
+from reasoning.checker import Break, Exchange, is_term, judged
 from reasoning.diagnoser import BROKEN, facts_of
 from reasoning.domain import core_program, load
-from reasoning.solver import Program, models, quoted
+from reasoning.solver import Program, quoted
 from reasoning.values import Case, Problem, State, Step, Value
 
 Make = Callable[[], Program]
@@ -27,14 +28,27 @@ def no_plan(problem: Problem, within: int, enough: int, exchange: tuple[Role, in
     """
     if enough <= within:
         raise ValueError(f"expected more than {within} steps, not {enough}")
-    facts = [*_facts(problem), f"limit({within}).", f"length({within};{enough})."]
+    facts = [f"limit({within}).", f"length({within};{enough})."]
     facts += [f"{exchange[0]}({exchange[1]})."] if exchange else []
-    return _maker(problem.domain, "why", facts, enough)
+    return _planning(problem, "why", facts, enough)
+
+
+def without_time(problem: Problem) -> Problem:
+    """The same problem without a deadline."""
+    names = load(problem.domain).data.costs
+    key = f"{names['most']}({problem.state.get(names['room'])},{names['clock']})" if names else ""
+    return replace(problem, static={name: value for name, value in problem.static.items() if name != key})
+
+
+def never_in_time(problem: Problem, enough: int) -> Make:
+    """Why is there no plan, however long, though there is one of `enough` steps if time does not matter? Where time is
+    what bounds a plan: none that is in time has more than `enough` steps."""
+    return _planning(problem, "why", [f"length({enough})."], enough)
 
 
 def never(problem: Problem) -> Make:
     """Why is there no plan, however long? Only what cannot be even if nothing that was reached were ever lost."""
-    return _maker(problem.domain, "why_ever", _facts(problem), 0)
+    return _planning(problem, "why_ever", [], 0)
 
 
 def not_possible(problem: Problem, action: str, others: Step = ()) -> Make:
@@ -45,8 +59,8 @@ def not_possible(problem: Problem, action: str, others: Step = ()) -> Make:
     for written in (action, *others):
         if not is_term(written):
             raise ValueError(f"not an action: {written!r}")
-    facts = [*_facts(problem), f"wanted({action}).", *(f"commanded({other})." for other in others if other != action)]
-    return _maker(problem.domain, "why_action", facts, 1)
+    facts = [f"wanted({action}).", *(f"commanded({other})." for other in others if other != action)]
+    return _planning(problem, "why_action", facts, 1)
 
 
 def contradicts(
@@ -59,7 +73,8 @@ def contradicts(
         [f"most({most})."] + ([f"suspect({broken})."] if broken else []) + ([f"cleared({whole})."] if whole else [])
     )
     facts += [f"inspected({robot},{finding})." for robot, finding in (findings or {}).items()]
-    return _maker(case.domain, "why_suspect", facts, 0)
+    file = load(case.domain).program("why_suspect")
+    return lambda: _grounded(Program([file], facts, OPTIONS), 0)
 
 
 def no_sharing(
@@ -110,9 +125,8 @@ def follow(
         ends = f"{quoted(e.giver)},{e.give_step},{quoted(e.taker)},{e.take_step}"
         facts.append(f"exchange({e.worker},{ends},{e.known_as}).")
     facts += [f"breaks({quoted(b.team)},{b.robot},{b.step})." for b in breaks]
-    (*_, model) = models([load(domain).program("check"), load(domain).program("why_states")], facts, optimum=True)
     found: dict[str, list[dict[str, Value]]] = {team: [{} for _ in range(horizon + 1)] for team in states}
-    for name, args in model.atoms:
+    for name, args in judged(load(domain), static, states, facts, ("check", "why_states")):
         match name, args:
             case "val", (of, fluent, value, int(step)):
                 found[str(of)][step][str(fluent)] = value
@@ -121,16 +135,26 @@ def follow(
     return found
 
 
-def _facts(problem: Problem) -> list[str]:
-    state: State = problem.state
+def _planning(problem: Problem, entry: str, question: list[str], horizon: int) -> Make:
+    """A question about what the problem's team can do."""
+    domain = load(problem.domain)
+    file = domain.program(entry)
     facts = [f"static({key},{value})." for key, value in problem.static.items()]
-    facts += [f"init({fluent},{value})." for fluent, value in state.items()]
-    return facts + ([f"guest({problem.guest})."] if problem.guest else [])
+    facts += [f"init({fluent},{value})." for fluent, value in problem.state.items()]
+    facts += [f"guest({problem.guest})."] if problem.guest else []
+    if not domain.data.geometry:
+        return lambda: _grounded(Program([file], [*facts, *question], domain.data.solver), horizon)
+    from reasoning import pieces  # only now: slow to import, and most domains do without
 
+    facts += pieces.facts(problem)
 
-def _maker(domain: str, entry: str, facts: list[str], horizon: int) -> Make:
-    file = load(domain).program(entry)
-    return lambda: _grounded(Program([file], facts, OPTIONS), horizon)
+    def make() -> Program:
+        program = Program([file], [*facts, *question], domain.data.solver)
+        if horizon:
+            pieces.interleave(problem, program)
+        return _grounded(program, horizon)
+
+    return make
 
 
 def _grounded(program: Program, horizon: int) -> Program:

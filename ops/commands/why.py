@@ -101,7 +101,7 @@ def _parts(args: argparse.Namespace, asker: Asker) -> list[Part]:
             raise InputError(f"--within {args.within}: expected steps, 0 or more")
         return not_within(asker, args.within, args.team or "")
     if args.none:
-        return no_plan_at_all(asker)
+        return no_plan_at_all(asker, args.team or "")
     status = _plan(asker)
     if args.action is not None:
         if args.step is None:
@@ -112,7 +112,7 @@ def _parts(args: argparse.Namespace, asker: Asker) -> list[Part]:
             asker, "borrow" if args.borrows else "lend", args.borrows or args.lends, args.other, args.team or ""
         )
     if status == "infeasible":
-        return no_plan_at_all(asker)
+        return no_plan_at_all(asker, args.team or "")
     if not asker.subject.makespan:
         raise InputError(f"{args.what}: nothing is to be done, and no plan is shorter than that")
     return not_within(asker, asker.subject.makespan - 1, args.team or "")
