@@ -276,7 +276,7 @@ def test_every_rule_has_words_and_every_header_is_there(domain: str) -> None:
         assert len(text.splitlines()) < 60
         for group in re.findall(r"^rule\(\(?([a-z_;]+)\)+\.$", text, re.MULTILINE):
             named |= set(group.split(";"))
-    assert len(named) > 20
+    assert len(named) > 15
     assert named == set(load(domain).data.why["rule"])
     assert named <= load(domain).data.rules.keys()
 
