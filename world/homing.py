@@ -30,6 +30,8 @@ def way_to(truth: Truth, robot: Thing, goals: Collection[Cell]) -> list[Point]:
     best: dict[Node, float] = {}
     before: dict[Node, Node] = {}
     queue: list[tuple[float, Node, Node]] = []
+    if not ends:
+        return []
     first = round(start[0] / STEP_M), round(start[1] / STEP_M)
     for node in (first, *_around(first)):
         if clear.between(start, _point(node)):
