@@ -91,9 +91,7 @@ class Contacts:
         """Whether `settle` has something to do."""
         if self._assembling():
             return False
-        return any(
-            m.join is not None or (m.state != "lost_contact" and self._silent(m)) for m in self._members.values()
-        )
+        return any(m.join is not None or self._lost(m) for m in self._members.values())
 
     def settle(self, round_number: int) -> list[tuple[str, ContactState]]:
         """Take in who has joined and give up who is silent; what has changed, by name.
@@ -112,9 +110,9 @@ class Contacts:
                 member.given_up = False
                 self._answer(name, member.join)
                 member.join = None
-            elif member.state != "lost_contact" and self._silent(member):
-                member.state, member.enters, member.done = "lost_contact", -1, None
-                changed.append((name, "stopped" if member.given_up else "lost_contact"))
+            elif (lost := self._lost(member)) is not None:
+                member.state, member.enters, member.done = lost, -1, None
+                changed.append((name, lost))
         return changed
 
     def is_outsider(self, name: str) -> bool:
@@ -126,6 +124,12 @@ class Contacts:
         """Whether somebody has yet to come for the first time: all enter in the same round, whoever started
         faster."""
         return any(m.state == "expected" and m.join is None and not self._silent(m) for m in self._members.values())
+
+    def _lost(self, member: _Member) -> ContactState | None:
+        """What is new of somebody who has not joined, if anything is."""
+        if member.given_up:
+            return "stopped" if member.state != "stopped" else None
+        return "lost_contact" if member.state != "lost_contact" and self._silent(member) else None
 
     def _silent(self, member: _Member) -> bool:
         wall = wall_s()

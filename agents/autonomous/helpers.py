@@ -127,15 +127,15 @@ class Helpers:
         self.tell()
         self._changed()
 
-    def present(self, teams: tuple[str, ...], number: int) -> None:
+    def present(self, told: m.Present) -> None:
         """The coordinator says who is in contact."""
         mind = self.mind
-        if number <= mind.memory.told:
+        if told.number <= mind.memory.told:
             return
-        peers = tuple(team for team in teams if team != mind.team)
-        known = tuple(sorted({*mind.memory.known, *peers}))
+        peers = tuple(team for team in told.teams if team != mind.team)
+        known = tuple(sorted({*mind.memory.known, *peers} - {*told.stopped}))
         with mind.node.journal.transaction():
-            mind.keep(peers=peers, known=known, told=number)
+            mind.keep(peers=peers, known=known, told=told.number)
             self._mind_the_lost()
         self.tell()
 

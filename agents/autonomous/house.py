@@ -74,14 +74,14 @@ class House:
         body = envelope.body
         if isinstance(body, m.Order) and body.team in self.members.teams:
             self._note(orders=(*self.ledger.orders, body))
-        if isinstance(body, m.Contact):
-            gone = {body.name} & self.members.teams if body.state == "stopped" else set()
-            back = {body.name} if body.state in ("present", "back") else set()
-            self._note(stopped=tuple(sorted({*self.ledger.stopped} - back | gone)))
+        gone = isinstance(body, m.Contact) and body.state == "stopped" and body.name in self.members.teams
+        if isinstance(body, m.Contact) and (gone or body.state != "lost_contact"):
+            others = {*self.ledger.stopped} - {body.name}
+            self._note(stopped=tuple(sorted(others | {body.name} if gone else others)))
         change = self.members.take_in(self.node, envelope, self._note)
         if self.ledger.over is not None:
             return
-        if isinstance(body, m.Contact) and change:
+        if isinstance(body, m.Contact) and (change or gone):
             if body.name in self.members.lost:
                 self.enquiry.withdraw(body.name)
             self._tell_all()
@@ -108,7 +108,7 @@ class House:
         """Have everybody begin who has not, and know who is in contact."""
         self._note(told=self.ledger.told + 1)
         for team in sorted(self.members.live):
-            self.node.request(team, m.Present(self.ledger.told, tuple(sorted(self.members.live))))
+            self.node.request(team, m.Present(self.ledger.told, tuple(sorted(self.members.live)), self.ledger.stopped))
         self._show("waiting for the teams to come to rest")
 
     # ------------------------------------------------------------ who has come to rest

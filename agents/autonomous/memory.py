@@ -38,7 +38,7 @@ class Memory(msgspec.Struct, frozen=True):
     can help. `stopped` tells where robots were to go that stopped on their way, `waited` for how many units they have
     waited for people, `held` how often they were held up; `never` are ways that were found impossible, `broken` tells
     where robots stand that are done without. Nothing is done before `until_s`. `peers` are the other teams in contact
-    (None: the coordinator has not said so yet) as of its message number `told`, `known` all that ever were; `stood` is
+    (None: the coordinator has not said so yet) as of its message number `told`, `known` all that may be; `stood` is
     the cell where the robot stood that helps elsewhere, `silent_s` since when the partner in help under way has been
     out of contact (negative: it is not), `recalls` how often the robot was called home, `gone` are guests that their
     own teams have called home; `offered`: help was offered since it was last asked for. `resting`: there is nothing

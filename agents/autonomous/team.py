@@ -41,8 +41,8 @@ class Autonomous:
         match envelope.body:
             case m.Present() | m.Order() | m.Enquire() if envelope.src != COORDINATOR:
                 node.refuse(envelope, "not_yours")
-            case m.Present(number, teams):
-                acting.helpers.present(teams, number)
+            case m.Present() as present:
+                acting.helpers.present(present)
                 node.reply(envelope, m.Ok())
             case m.Order() as order:
                 acting.ordered(order)

@@ -15,11 +15,12 @@ from bus.messages.basics import Body, Count, Name, Text
 
 
 class Present(Body, frozen=True):
-    """Coordinator -> team: begin, if you have not; these teams, you among them, are in contact now. The latest `number`
-    counts. Reply: `Ok`."""
+    """Coordinator -> team: begin, if you have not; these teams, you among them, are in contact now, and those that are
+    `stopped` will never be again. The latest `number` counts. Reply: `Ok`."""
 
     number: Count
     teams: tuple[Name, ...]
+    stopped: tuple[Name, ...] = ()
 
 
 class HelpCall(Body, frozen=True):

@@ -42,6 +42,17 @@ def test_who_is_stopped_keeps_nobodys_robot(home: Home, after: str) -> None:
     assert "living has been out of contact for" in text
 
 
+def test_who_is_out_of_contact_may_be_stopped_as_well(home: Home) -> None:
+    home.until(lambda: "helper_came" in home.kinds())
+    home.contact("living", "lost_contact")
+    home.until(lambda: "helper_returned" in home.kinds())
+    called_s = home.now_s
+    home.until(lambda: home.now_s >= called_s + 60.0)
+    assert home.over is None
+    home.contact("living", "stopped")
+    assert home.end().reason.startswith("living was stopped")
+
+
 def test_what_the_guest_holds_is_let_go(home: Home) -> None:
     home.until(lambda: (r := home.world.robots["kitchen.r2"]).team == "living" and r.holds)
     assert home.world.robots["kitchen.r2"].team == "living"
@@ -125,6 +136,15 @@ def test_a_helper_that_is_stopped_is_not_waited_for(home: Home) -> None:
     assert over.reason.startswith("kitchen was stopped")
     assert "helper_sent_back" in home.kinds("living")
     assert home.world.things["rug"].at[0] == 5
+
+
+def test_help_of_who_was_stopped_is_not_hoped_for(home: Home) -> None:
+    home.until(lambda: "plan_adopted" in home.kinds("kitchen"))
+    home.contact("kitchen", "stopped")
+    over = home.end()
+    assert "nobody_helps" in home.kinds("living")
+    assert "living leaves rug as it is" in over.reason
+    assert home.world.things["novel_1"].at[0] == 5
 
 
 def test_a_house_of_one_that_is_stopped_is_over(tmp_path: Path) -> None:

@@ -126,6 +126,16 @@ def test_the_toy_system_and_a_team_that_freezes(memory_bus: Bus, threads: Thread
     assert contacts.items == [("T1", "present"), ("T1", "lost_contact"), ("T1", "back")]
 
 
+def test_who_is_out_of_contact_may_be_given_up(memory_bus: Bus, threads: Threads) -> None:
+    contacts: Collected[tuple[str, str]] = Collected()
+    world = memory_bus.node("world", mode="realtime", factor=20.0)
+    threads.stops.append(world.stop)
+    threads.start(lambda: conduct(world, Stopwatch(world), contacts, 20.0, return_s=0.1))
+    contacts.wait_for(("T1", "lost_contact"))
+    world.give_up("T1")
+    contacts.wait_for(("T1", "stopped"))
+
+
 def test_who_is_given_up_is_not_waited_for(memory_bus: Bus, threads: Threads) -> None:
     contacts: Collected[tuple[str, str]] = Collected()
     world = memory_bus.node("world", mode="realtime", factor=20.0)
