@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bus.clock import wall_s
+from ops import shares
 from ops.tables import InputError
 from ops.whyasker import Asker, Part
-from ops.whysharing import PUBLISHED, published, sharing
+from ops.whysharing import PUBLISHED, as_set_up, sharing
 from ops.whysubjects import Subject
 from reasoning.diagnoser import broken_in, diagnose
 from reasoning.domain import Domain
@@ -46,7 +47,10 @@ def no_plan_at_all(asker: Asker, team: str = "") -> list[Part]:
         hopeless = {name: problem for name, problem in asked.items() if Planner(problem).hopeless()}
         return [_never(asker, name, problem, "") for name, problem in (hopeless or asked).items()]
     alone = [team for team, problem in own.items() if Planner(problem).hopeless()]
-    published(subject)
+    if shares.general(as_set_up(subject)):
+        if not alone:
+            raise InputError(f"{subject.name}: every team might finish by itself, however long; ask --within STEPS")
+        return [_never(asker, name, own[name], " alone") for name in alone]
     helpless = {team: -1 for team in alone if Planner(subject.problem(team)).hopeless()}
     make = no_sharing(1, 0, own, alone=alone, late=helpless)
     possible = "nothing speaks against a shared plan as long as time is left out; ask --within STEPS"

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from reasoning.domain import Domain
 from reasoning.solver import Model, Term, parse
 from reasoning.why import Clash
+from reasoning.words import count
 
 FACTS = {"start": "fact", "seen": "observation"}
 """Members that are fluents with values."""
@@ -17,11 +18,15 @@ SHARING = {
     "alone": ("team", "{0} cannot finish in time without borrowing"),
     "early": ("team", "{0} cannot lend before step {1} and finish in time"),
     "late": ("team", "{0} cannot finish in time if it borrows after step {1}"),
-    "delay": ("resource", "transport takes {0} steps"),
+    "delay": ("resource", "transport takes {0}"),
     "must": ("hypothesis", "{0} is to {1}"),
     "may_not": ("hypothesis", "{0} is not to {1}"),
+    "refuted": ("team", "{0} cannot finish in time {1}"),
+    "stock": ("resource", "{0} has {1} of its own"),
+    "most": ("resource", "no team takes more than {0}"),
+    "travel": ("resource", "transport from {0} to {1} takes {2}"),
 }
-"""Members of the coordinator's question (``core/why_share.lp``)."""
+"""Members of the coordinator's question (``core/why_share.lp``, ``core/why_lend.lp``)."""
 
 
 class Told(NamedTuple):
@@ -65,6 +70,11 @@ def _worded(member: str, domain: Domain, first: int) -> tuple[str, str]:
 
 def _shared(member: str) -> tuple[str, str]:
     name, args = parse(member)
+    match name, args:
+        case "stock" | "most", (*who, robot, int(number)):
+            args = (*who, count(number, str(robot)))
+        case "delay", (*pair, int(number)):
+            name, args = "travel" if pair else "delay", (*pair, count(number, "step"))
     kind, text = SHARING[name]
     if (name, args[-1]) == ("late", -1):
         text = "{0} cannot finish in time even with a borrowed robot"
