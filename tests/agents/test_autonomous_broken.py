@@ -9,6 +9,9 @@ import pytest
 
 from tests.agents.house import Home
 from tests.agents.test_autonomous import NOVEL, RUG, TO_KITCHEN, kitchen, living, weigh
+from tests.agents.test_autonomous_kills import quick, thoughts
+
+__all__ = ["quick", "thoughts"]
 
 
 @pytest.fixture
