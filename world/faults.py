@@ -26,11 +26,12 @@ ANSWER_S = 30.0
 
 class SavedFaults(Struct):
     """What must survive this process: faults that were done (by their number in the scene), who is to be
-    resumed at which tick, and which links are bad."""
+    resumed at which tick, which links are bad, and which teams were stopped for good."""
 
     done: list[int] = []
     resumes: list[tuple[int, str]] = []
     links: list[tuple[str, Impair]] = []
+    stopped: list[str] = []
 
 
 class Faults:
@@ -42,6 +43,8 @@ class Faults:
         for source, impair in saved.links:
             if source == node.name:
                 node.impair(impair)
+        for team in saved.stopped:
+            node.give_up(team)
 
     # ------------------------------------------------------------ when
     def at_step(self, step: int, actions: set[str], team: str = "") -> Iterator[int]:
@@ -120,6 +123,7 @@ class Faults:
             case "kill" | "pause" | "restart" | "stop":
                 reason = self._supervise(ProcessFault(kind, target))
                 if kind == "stop" and not reason:
+                    self.saved.stopped.append(target)
                     self._node.give_up(target)
                 return reason
         return f"{kind} is not supported"

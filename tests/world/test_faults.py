@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
-import msgspec
 import pytest
 
 from bus.faults import KINDS
-from bus.messages import Contact, Execute, Impair, Inject, Injected, Ok, Order, ProcessFault
+from bus.messages import Contact, Execute, Impair, Inject, Injected, Order, ProcessFault
 from bus.node import NoAnswer
 from bus.scene import Fault
 from tests.world.house import House, house, pot
@@ -235,11 +235,13 @@ def test_without_a_supervisor_nothing_is_claimed() -> None:
     assert stage.inject("kill", "A") == Injected(False, "supervisor did not answer")
 
 
-def test_a_team_that_acts_for_itself_can_be_stopped_for_good() -> None:
-    stage = House(house(pot("A", "1", 2, 2)))
+def test_a_team_that_acts_for_itself_can_be_stopped_for_good(tmp_path: Path) -> None:
+    stage = House(house(pot("A", "1", 2, 2)), tmp_path)
     assert stage.inject("stop", "A").accepted
     assert stage.asked == [ProcessFault("stop", "A")]
     assert stage.node.post.given_up == ["A"]
+    stage = stage.again()
+    assert stage.node.post.given_up == ["A"], "the next world does not wait for it either"
     assert "there is no team 'world'" in stage.inject("stop", "world").reason
     conducted = stage_with()
     assert "all others would wait for it" in conducted.inject("stop", "A").reason
@@ -295,35 +297,3 @@ def test_who_is_lost_from_sight_is_reported_to_the_coordinator() -> None:
         ("A", "lost_contact"),
         ("coordinator", "lost_contact"),
     ]
-
-
-# ---------------------------------------------------------------- deadlines
-def test_a_deadline_is_changed_and_told_one_after_the_other() -> None:
-    stage = House(house(pot("A", "1", 2, 2)))
-    for units in (20, 30, 0):
-        assert stage.inject("deadline", "A", units=units).accepted
-    assert stage.bodies(Order, "coordinator") == [Order("A", deadline=20)]
-    assert [e["text"] for e in stage.events("order")] == [
-        "A has until 20 units of time from now on",
-        "A has until 30 units of time from now on",
-        "A has no deadline from now on",
-    ]
-    (first,) = [m.id for _, m in stage.sent if isinstance(m.body, Order)]
-    stage.deliver(msgspec.structs.replace(stage.mail("coordinator", Ok()), re=first))
-    assert stage.bodies(Order, "coordinator")[-1] == Order("A", deadline=30)
-
-
-@pytest.mark.parametrize(
-    ("target", "units", "reason"),
-    [
-        ("A", 2, "3 units of time have passed already"),
-        ("A", -1, "a deadline is a whole number of units of time, or 0 for none; not -1"),
-        ("A", "soon", "a deadline is a whole number of units of time, or 0 for none; not soon"),
-        ("Z", 9, "there is no team Z that keeps deadlines"),
-    ],
-)
-def test_a_deadline_that_makes_no_sense_is_refused(target: str, units: int | str, reason: str) -> None:
-    stage = House(house(pot("A", "1", 2, 2)))
-    stage.advance(7.0)
-    assert stage.inject("deadline", target, units=units).reason == reason
-    assert "keeps deadlines" in stage_with().inject("deadline", "A", units=9).reason
