@@ -181,6 +181,9 @@ def _skill(domain: Domain, action: str) -> str:
 def suspicion(asker: Asker, team: str, suspected: str, other: str, step: int | None = None) -> list[Part]:
     """Why is one robot suspected, and another not? Of a case, or of the team's discrepancy in that step. Inspections
     are looked at where the question cannot be answered without."""
+    domain = asker.subject.domain
+    if not (domain.folder / "why_suspect.lp").is_file():
+        raise InputError(f"{asker.subject.name}: the domain {domain.name} cannot be asked about suspicions yet")
     case, findings, at = _case(asker.subject, team, step)
     result = diagnose(case)
     most = len(broken_in(result.least[0])) if result.least else case.bound

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bus.messages import Event
+from bus.scene import Scene
 from ops.cases import read_case, shipped_cases
 from ops.checking import implied_breaks, repairs
 from ops.compile import start
@@ -26,6 +27,7 @@ from reasoning.domain import Domain, domains
 from reasoning.domain import load as load_domain
 from reasoning.reasons import follow
 from reasoning.setup import Refused, compile_setup
+from reasoning.solver import parse
 from reasoning.values import Case, Problem, State, Step, Value
 
 
@@ -127,7 +129,7 @@ def _recorded(path: Path) -> Subject:
     names = [workspace.team for workspace in scene.workspaces]
     steps = range(max(run.actions, default=-1) + 1)
     teams = {team: tuple(run.actions.get(step, {}).get(team, ()) for step in steps) for team in names}
-    first = {team: initial(scene, team) for team in names}
+    first = {team: _start(scene, team) for team in names}
     seen: dict[int, dict[str, State]] = {}
     for step in steps:
         seen[step] = {**seen.get(step - 1, first), **run.states.get(step, {})}
@@ -135,6 +137,16 @@ def _recorded(path: Path) -> Subject:
     domain = load_domain(scene.domain)
     loans = tuple(exchange for _, exchange in run.loans)
     return Subject(path.name, domain, static, first, teams, loans, None, seen, odd, findings, broken)
+
+
+def _start(scene: Scene, team: str) -> State:
+    """What a team knows at the start: with what its room shows besides the bodies, and without people."""
+    own = [entity for entity in scene.entities if entity.team == team]
+    people = {entity.name for entity in own if scene.kinds[entity.kind].role == "person"}
+    ends = {f"{scene.kinds[e.kind].end}({e.name})": e.end for e in own if e.end and e.known}
+    shown = next(workspace.fluents for workspace in scene.workspaces if workspace.team == team)
+    sensed = {fluent: value for fluent, value in initial(scene, team).items() if people.isdisjoint(parse(fluent)[1])}
+    return {**shown, **sensed, **ends}
 
 
 Findings = dict[tuple[str, int], dict[str, str]]

@@ -86,7 +86,8 @@ def _fluent(fluent: str, value: Term, domain: Domain) -> str:
     words: Mapping[str, str] = domain.data.why.get("fluent", {})
     values: Mapping[str, object] = domain.data.display.get("values", {}).get(name, {})
     text = words.get(f"{name} {value}", words.get(name, f"{fluent} is {{1}}"))
-    return text.format(args[0] if args else "", values.get(str(value), value))
+    inner = parse(value)[1] if isinstance(value, str) else ()
+    return text.format(args[0] if args else "", values.get(str(value), value), *inner)
 
 
 def _breach(member: str, model: Model, domain: Domain, first: int) -> str:

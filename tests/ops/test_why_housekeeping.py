@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import msgspec
 import pytest
 
+from bus.scene import Scene
 from ops.cli import main
+from ops.compile import compile_scenario
+from ops.recording import Writer
+from ops.scenario import load
+from ops.whysubjects import subject_of
 from tests.ops.test_why import ask, members
 
 BEDROOM = "housekeeping/bedroom"
@@ -72,3 +80,23 @@ def test_the_living_room_as_published(capsys: pytest.CaptureFixture[str]) -> Non
         "start(at(r1),(3,2))", "start(connected(r1),none)", "robot(r1)", "free(r1)", "rule(attach_apart)", "rule(busy)",
         "steps(7)",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["person_in_doorway", "three_rooms", "heavy_pillow", "kitchen"])
+def test_a_recorded_run_begins_as_its_scenario_does(tmp_path: Path, name: str) -> None:
+    compiled = compile_scenario(load(f"housekeeping/{name}"))
+    compiled.write(tmp_path)
+    writer = Writer(tmp_path / "run.mcap")
+    writer.add("scene", msgspec.json.decode((tmp_path / "world.json").read_bytes(), type=Scene))
+    writer.close()
+    assert subject_of(str(tmp_path)).states == compiled.setup.states
+
+
+def test_rooms_know_no_suspicions(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["why", BEDROOM, "--suspected", "r1"]) == 2
+    assert "the domain housekeeping cannot be asked about suspicions yet" in capsys.readouterr().err
+
+
+def test_what_a_robot_holds_is_told_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["why", *SMALL, "--action", "attach(r1)", "--step", "2"]) == 0
+    assert "  fact        r1 holds novel" in capsys.readouterr().out.splitlines()
