@@ -41,6 +41,16 @@ def possible(make: Make, members: Sequence[str]) -> bool:
     return solved.satisfiable
 
 
+def allowed(make: Make) -> bool:
+    """Can all members hold together? One search, which explains nothing."""
+    program = make()
+    free = program.solve([]).model
+    assert free is not None
+    solved = program.solve([("use", atom.args[:1], True) for atom in free.atoms if atom.name == "group"])
+    assert solved.satisfiable is not None
+    return solved.satisfiable
+
+
 # ---------------------------------------------------------------- no plan
 def test_the_line_does_not_move_while_the_box_is_stamped() -> None:
     assert clash(no_plan(STAMPER, 2, 3)) == {

@@ -13,7 +13,7 @@ from reasoning.values import Problem
 from reasoning.why import Clash, Possible, explain
 from tests.encodings.charging.teams import DOMAIN, drawn, team
 from tests.encodings.charging.test_charging_agreement import problem_of, step_of
-from tests.reasoning.test_why import clash, possible
+from tests.reasoning.test_why import allowed, clash, possible
 
 EMPTY = team([((2, 2), 3, 1)], [(2, 2, 0)])
 """One box, at the last place where it can be worked on, and beside it who can finish it, were there power."""
@@ -73,17 +73,12 @@ def test_the_planner_says_the_same_of_drawn_steps() -> None:
     for _ in range(25):
         problem, step = problem_of(rng), step_of(rng)
         _, kept = predict(problem, [step])
-        program = not_possible(problem, step[0], step)()
-        free = program.solve([]).model
-        assert free is not None
-        groups = [atom.args[0] for atom in free.atoms if atom.name == "group"]
-        said = program.solve([("use", (group,), True) for group in groups]).satisfiable
-        assert said == (kept == 1), (problem.state, step)
+        assert allowed(not_possible(problem, step[0], step)) == (kept == 1), (problem.state, step)
         possible_ones += kept
     assert possible_ones >= 2
 
 
-@pytest.mark.parametrize("seed", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 2, 5, 7))])
+@pytest.mark.parametrize("seed", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 5))])
 def test_every_clash_is_minimal_and_agrees_with_the_planner(seed: int) -> None:
     problem = drawn(seed)
     found = Planner(problem).shortest()

@@ -15,11 +15,11 @@ from reasoning.pieces import facts, minimal
 from reasoning.planner import Planner, predict
 from reasoning.reasons import follow, never, never_in_time, no_plan, not_possible, without_time
 from reasoning.solver import Program, parse
-from reasoning.values import Problem
+from reasoning.values import Problem, Question
 from reasoning.why import Clash, Possible, explain
 from tests.encodings.housekeeping.rooms import DOMAIN, NIGHTSTAND, SHELF, problem, robot, thing
 from tests.encodings.housekeeping.test_planning import LONG
-from tests.reasoning.test_why import clash, possible
+from tests.reasoning.test_why import allowed, clash, possible
 
 ONE = problem([robot("r1", 0, 0)], [thing("a", 1, 1)], level="both")
 PAIR = problem([robot("r1", 1, 2), robot("r2", 2, 2)], heavy=[LONG], level="both")
@@ -139,7 +139,7 @@ def test_the_planner_says_the_same_of_drawn_actions(level: str) -> None:
         )
         action = rng.choice([f"goto(r1,{rng.randrange(4)},{rng.randrange(3)})", "attach(r1)", "attach(r2)"])
         _, kept = predict(start, [(action,)])
-        assert isinstance(explain(not_possible(start, action)), Possible) == (kept == 1), (start.state, action)
+        assert allowed(not_possible(start, action)) == (kept == 1), (start.state, action)
         possible_ones += kept
     assert 0 < possible_ones < 12
 
@@ -162,6 +162,33 @@ def test_every_clash_is_minimal_and_agrees_with_the_planner(seed: int) -> None:
     assert not possible(make, sorted(members))
     for member in members:
         assert possible(make, sorted(members - {member})), member
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["none", "static", "interleaved", "both"])
+def test_the_planner_says_the_same_of_drawn_rooms(level: str) -> None:
+    """With furniture and deadlines, where robots and things start where a robot can stand."""
+    rng, verdicts = random.Random(f"rooms {level}"), set()
+    for _ in range(8):
+        width, height = rng.choice([(4, 3), (9, 3), (14, 3)])
+        at, by = 100 * rng.randrange(1, width), rng.choice([0, 90])
+        shelf = {"name": "shelf", "corners": [[at, by], [at + 60, by], [at + 60, by + 200], [at, by + 200]]}
+        free = [(x, y) for x in range(width) for y in range(height) if abs(100 * x + 50 - at - 30) > 60]
+        one, two, three = rng.sample(free, 3)
+        start = problem(
+            [robot("r1", *one)],
+            [thing("a", *two, kind=rng.choice(["cushion", "glass"])), thing("b", *three)][: rng.choice([1, 1, 2])],
+            furniture=[shelf],
+            level=level,
+            size=(width, height),
+            deposit=(0, 1, 0, height - 1),
+            deadline=rng.choice([0, 5, 6, 8, 10]),
+        )
+        within = rng.choice([3, 4, 5, 8])
+        answer = Planner(start).answer(Question("alone", within))
+        assert allowed(no_plan(start, within, within + 1)) == (answer.verdict == "yes"), (start, within)
+        verdicts.add(answer.verdict)
+    assert verdicts == {"yes", "no"}
 
 
 def test_a_thing_in_the_gap_between_two_pieces_of_furniture() -> None:
