@@ -54,9 +54,7 @@ class Acting:
             self._look()
         elif now.stopped:
             self.detours.drive_on()
-        elif now.course is None and any(mind.words.between_cells(now.state, r) for r in mind.words.robots(now.state)):
-            self.detours.to_safety()
-        elif self.escort.duty():
+        elif (now.course is None and self.detours.to_safety()) or self.escort.duty():
             pass
         elif now.left:
             self._step()
@@ -171,7 +169,8 @@ class Acting:
             details = course.details.get(now.at, {})
             calls = mind.patiently(lambda: mind.ways.calls(now.state, actions, details, units))
         except NoWay as error:
-            self.detours.bar(error)
+            if not self.detours.make_way(error):
+                self.detours.bar(error)
             return
         self.execute("plan", actions, calls, course.states[now.at + 1])
 
@@ -208,7 +207,7 @@ class Acting:
             if begun.purpose == "plan":
                 mind.keep(at=before.at + 1)
                 recovering.after_step(mind, begun, before, body)
-            elif begun.purpose in ("drive_on", "safe"):
+            elif begun.purpose in ("drive_on", "aside", "safe"):
                 recovering.after_driving(mind, begun, before, body)
             else:
                 self.escort.executed(begun, before.state, body.felt)

@@ -5,7 +5,8 @@
 | unknown_object   | another way to the plan's next state, from where the robot stands; if there is none, to a safe |
 |                  | cell, and plan with the object known                                                           |
 | person_in_way    | wait a unit, then another way                                                                  |
-| held_up          | wait a unit, then another way; after some such, plan anew without that way                     |
+| held_up          | wait a unit, then another way, one robot after the other, while those in between step aside;   |
+|                  | after some such, plan anew without that way                                                    |
 | object_not_found | look, plan anew                                                                                |
 | heavy_object     | plan anew: with both robots of the room, or the heavy object last and with help                |
 | robot_broken     | diagnose; plan anew without the robot, and without what it holds                               |
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 DOING = {
     "drive_on": "going on by another way",
+    "aside": "making way for another robot",
     "safe": "going to a safe cell",
     "door": "sending a robot to the door",
     "leave": "sending a robot to another room",
@@ -47,6 +49,8 @@ PATIENCE_UNITS = 40
 """So long is waited for a person who stands in the way."""
 HELD_UP_TIMES = 4
 """So often another way is tried where nothing is known to be in the way."""
+MOST_ASIDE = 12
+"""So often robots step aside for one another."""
 MOST_BARRED = 12
 """After so many ways that turned out impossible, what is left to do is left."""
 PERSON_M = 0.35
@@ -81,10 +85,11 @@ def after_step(mind: Mind, begun: Begun, before: Memory, body: Executed) -> None
 
 
 def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> None:
-    """Robots went on after they had stopped. `begun` has their goals."""
+    """Robots went on after they had stopped, or stepped aside. `begun` has their goals."""
     now = mind.memory
     goals = _goals(begun, mind.words)
     here = mind.words.robots(now.state)
+    later = {robot: goal for robot, goal in before.stopped.items() if robot in here and robot not in goals}
     left = {
         r: g for r, g in goals.items() if r in here and (mind.words.cell(now.state, r) != g or _stands_off(mind, r))
     }
@@ -94,11 +99,12 @@ def after_driving(mind: Mind, begun: Begun, before: Memory, body: Executed) -> N
     for cause in found:
         _tell(mind, cause, body.step)
     if begun.purpose == "safe" or any(cause.name not in (*STOPS, "object_appeared") for cause in found):
-        mind.keep(course=None, stopped={}, looked=False)
-        if begun.purpose == "safe" and left:
+        astray = bool(left) and begun.purpose == "safe"
+        mind.keep(course=None, stopped={}, looked=False, held=now.held + 1 if astray else 0)
+        if astray:
             mind.wait(1)
     else:
-        _stop(mind, left, found)
+        _stop(mind, later if begun.purpose == "aside" else {**left, **later}, found)
 
 
 def _do_without(mind: Mind, begun: Begun, before: Memory) -> None:
@@ -201,17 +207,6 @@ def _goals(begun: Begun, words: Words) -> dict[str, Cell]:
 
 def _stands_off(mind: Mind, robot: str) -> bool:
     return mind.words.between_cells(mind.memory.state, robot)
-
-
-def safe_cells(mind: Mind, state: State) -> dict[str, Cell]:
-    """For each robot between cells, the nearest cell whose middle it can get to and where nobody is."""
-    words = mind.words
-    goals: dict[str, Cell] = {}
-    taken = {words.cell(state, r) for r in words.robots(state) if not words.between_cells(state, r)}
-    for robot in words.robots(state):
-        if words.between_cells(state, robot):
-            goals[robot] = mind.ways.nearest_cell(state, robot, {*taken, *goals.values()})
-    return goals
 
 
 def people(words: Words, state: State) -> tuple[Disc, ...]:

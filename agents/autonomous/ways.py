@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 
 from agents.autonomous.words import Words
@@ -19,14 +19,25 @@ from reasoning.values import State
 
 TURN_RAD = math.radians(15)
 """Turns are told in pieces of so much."""
+OFF_M = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
+"""So far a robot goes first that stands nearer to furniture than ways come to it."""
+ROUND = 16
+"""In so many directions it looks for a place."""
+NEARBY = 8
+"""So many pairs of cells are tried to put down what two robots carry."""
+LEAST_M = 0.01
+"""Obstacles that would have to be smaller than this to let a robot go are left out."""
 
 
 class NoWay(Exception):  # noqa: N818 - it reads as what happened
-    """A robot has no way to where it is to go."""
+    """A robot has no way to where it is to go while all of `goals` go theirs. `behind` are robots that stand about:
+    without them there would be one."""
 
-    def __init__(self, robot: str, goal: Cell) -> None:
-        super().__init__(f"{robot} has no way to ({goal[0]},{goal[1]})")
-        self.robot, self.goal = robot, goal
+    def __init__(self, robot: str, goals: Mapping[str, Cell], behind: tuple[str, ...] = ()) -> None:
+        x, y = goals[robot]
+        past = f" past {' and '.join(behind)}" if behind else ""
+        super().__init__(f"{robot} has no way to ({x},{y}){past}")
+        self.robot, self.goals, self.behind = robot, dict(goals), behind
 
 
 class Ways:
@@ -57,7 +68,7 @@ class Ways:
         return tuple(made)
 
     def way(self, state: State, robot: str, goals: Mapping[str, Cell], discs: Iterable[Disc] = ()) -> tuple[Point, ...]:
-        """A robot's way while all of `goals` go theirs. Raises NoWay."""
+        """A robot's way while all of `goals` go theirs, round what lies and who stands about. Raises NoWay."""
         words, held = self._words, self._words.held(state, robot)
         start, goal = words.point(state, robot), middle(goals[robot])
         moved = {end[0] for other in goals if (end := words.held(state, other)) is not None}
@@ -65,18 +76,55 @@ class Ways:
         if held is not None and partner is not None and partner in goals:
             ends = [(words.point(state, each), middle(goals[each])) for each in (robot, partner)]
             first, second = ends if held[1] == 1 else reversed(ends)
-            lying = self._lying(state, moved, [ends[0][0], ends[1][0]], [])
-            poses = self._carried(first, second, lying)
-            if poses is None:
-                raise NoWay(robot, goals[robot])
+            starts = [ends[0][0], ends[1][0]]
+            lying = [*self._lying(state, moved, starts, []), *discs]
             offset = (math.dist(first[0], second[0]) / 2) * (-1 if held[1] == 1 else 1)
-            return tuple(placed((offset, 0.0), pose) for pose in poses)
-        lying = self._lying(state, moved, [start], [] if held is not None else [goals[robot]])
-        layout = self._room.layout.with_discs([*lying, *discs])
-        found = self._oracle.shortest(layout, self._room.robot_m, start, goal)
+
+            def together(robots: Iterable[Disc]) -> tuple[Point, ...] | None:
+                poses = self._carried(first, second, self._spared([*lying, *robots], starts))
+                return tuple(placed((offset, 0.0), pose) for pose in poses) if poses is not None else None
+
+            return self._past(state, robot, goals, together)
+        lying = [*self._lying(state, moved, [start], [] if held is not None else [goals[robot]]), *discs]
+        return self._past(state, robot, goals, lambda robots: self._alone([*lying, *robots], start, goal))
+
+    def _past(
+        self,
+        state: State,
+        robot: str,
+        goals: Mapping[str, Cell],
+        find: Callable[[Iterable[Disc]], tuple[Point, ...] | None],
+    ) -> tuple[Point, ...]:
+        """The way that `find` finds past the robots that stand about. Raises NoWay."""
+        others = [other for other in self._words.robots(state) if other not in goals]
+        standing = {other: (*self._words.point(state, other), self._room.robot_m) for other in others}
+        if (found := find(standing.values())) is not None:
+            return found
+        behind = others if others and find(()) is not None else []
+        for other in list(behind) if len(behind) > 1 else ():
+            fewer = [each for each in behind if each != other]
+            if find(disc for each, disc in standing.items() if each not in fewer) is not None:
+                behind = fewer
+        raise NoWay(robot, goals, tuple(behind))
+
+    def _alone(self, discs: Iterable[Disc], start: Point, goal: Point) -> tuple[Point, ...] | None:
+        """A shortest way past these obstacles; None if there is none. Robots stop with furniture nearer to them than
+        ways come to it, at the corners of their ways: then it leads away from there first."""
+        room, oracle = self._room, self._oracle
+        layout = room.layout.with_discs(self._spared(discs, [start]))
+        turns = [math.tau * k / ROUND for k in range(ROUND)]
+        near = ((start[0] + far * math.cos(turn), start[1] + far * math.sin(turn)) for far in OFF_M for turn in turns)
+        first = next((at for at in (start, *near) if oracle.free(layout, room.robot_m, at)), start)
+        found = oracle.shortest(layout, room.robot_m, first, goal)
         if found is None:
-            raise NoWay(robot, goals[robot])
-        return found.points
+            return None
+        return found.points if first == start else (start, *found.points)
+
+    def _spared(self, discs: Iterable[Disc], starts: Sequence[Point]) -> list[Disc]:
+        """Obstacles, those smaller that robots at their starts are too near to: they may go, but come no nearer."""
+        keep_m = self._room.robot_m + self._oracle.margin_m + 0.001
+        spared = [(x, y, min(r, min(math.dist((x, y), at) for at in starts) - keep_m)) for x, y, r in discs]
+        return [disc for disc in spared if disc[2] >= LEAST_M]
 
     def _lying(
         self, state: State, moved: Collection[str], starts: Sequence[Point], goals: Sequence[Cell]
@@ -102,19 +150,55 @@ class Ways:
         way = self.way(state, robot, goals, discs)
         return SkillCall(self._words.go, (robot, x, y), {"way": _written(way), "units": self._units(way, 0)})
 
-    def nearest_cell(self, state: State, robot: str, taken: Collection[Cell | None]) -> Cell:
-        """The cell nearest to a robot whose middle it can get to, of those that are not taken; of all cells if there is
+    def nearest_cell(
+        self, state: State, robot: str, taken: Collection[Cell | None], suits: Callable[[Cell], bool] = lambda _: True
+    ) -> Cell | None:
+        """The nearest cell whose middle a robot can get to, of those that are not taken and suit; None if there is
         none."""
         x, y = self._words.point(state, robot)
-        near = sorted(self._room.cells, key=lambda c: (math.dist((x, y), middle(c)), c))
-        for c in near:
+        for c in sorted(self._room.cells, key=lambda c: (math.dist((x, y), middle(c)), c)):
             if c not in taken:
                 try:
                     self.way(state, robot, {robot: c})
                 except NoWay:
                     continue
-                return c
-        return near[0]
+                if suits(c):
+                    return c
+        return None
+
+    def nearest_cells(self, state: State, robot: str, partner: str, taken: Collection[Cell | None]) -> dict[str, Cell]:
+        """As `nearest_cell` for two robots that carry one thing; only those nearby are tried."""
+        here, there = (self._words.point(state, each) for each in (robot, partner))
+        own = {self._words.cell(state, each) for each in (robot, partner)}
+        free = [c for c in self._room.cells if c in own or c not in taken]
+        pairs = [(c, d) for c in free for d in free if abs(c[0] - d[0]) + abs(c[1] - d[1]) == 1]
+        pairs.sort(key=lambda pair: (math.dist(here, middle(pair[0])) + math.dist(there, middle(pair[1])), pair))
+        for goals in ({robot: c, partner: d} for c, d in pairs[:NEARBY]):
+            try:
+                self.way(state, robot, goals)
+            except NoWay:
+                continue
+            return goals
+        return {}
+
+    def aside(self, state: State, blocker: str, refused: NoWay) -> Cell | None:
+        """The nearest cell to which a robot can step aside so that another one does not have to get past it; None if
+        there is none, or it cannot go by itself."""
+        words, held = self._words, self._words.held(state, blocker)
+        if held is not None and len(words.ends(state, held[0])) == 2:
+            return None
+        keys = [f"{words.place}({body})" for body in (blocker, *([held[0]] if held is not None else []))]
+        before = {key: value for key, value in state.items() if key != f"{words.pose}({blocker})"}
+
+        def suits(c: Cell) -> bool:
+            try:
+                self.way({**before, **dict.fromkeys(keys, f"({c[0]},{c[1]})")}, refused.robot, refused.goals)
+            except NoWay as error:
+                return bool(error.behind) and blocker not in error.behind
+            return True
+
+        others = (words.cell(state, other) for other in words.robots(state))
+        return self.nearest_cell(state, blocker, {*others, *refused.goals.values()}, suits)
 
     def _carried(
         self, first: tuple[Point, Point], second: tuple[Point, Point], lying: Sequence[Disc]

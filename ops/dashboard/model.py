@@ -22,6 +22,7 @@ TONES = {
     "heavy_object": "cause", "robot_broken": "cause", "object_appeared": "cause", "deadline_at_risk": "cause",
     "repair": "recovery", "plan_adopted": "recovery", "search_started": "recovery", "process": "recovery",
     "new_way": "recovery", "waited": "recovery", "safe_state": "recovery", "plan_dropped": "recovery",
+    "made_way": "recovery", "stays": "recovery",
     "help_wanted": "recovery", "help_offered": "recovery", "help_answered": "recovery", "help_confirmed": "recovery",
     "help_released": "recovery", "helper_left": "recovery", "helper_came": "recovery", "helper_sent_back": "recovery",
     "exchange": "success", "shared_plan": "success", "team_finished": "success", "run_over": "success",
