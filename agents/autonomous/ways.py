@@ -20,7 +20,7 @@ from reasoning.values import State
 TURN_RAD = math.radians(15)
 """Turns are told in pieces of so much."""
 OFF_M = (0.01, 0.02, 0.03, 0.05, 0.08, 0.12)
-"""So far a robot goes first that stands nearer to furniture than ways come to it."""
+"""So far a robot goes first that stands nearer to something than ways come to it."""
 ROUND = 16
 """In so many directions it looks for a place."""
 NEARBY = 8
@@ -107,18 +107,20 @@ class Ways:
                 behind = fewer
         raise NoWay(robot, goals, tuple(behind))
 
-    def _alone(self, discs: Iterable[Disc], start: Point, goal: Point) -> tuple[Point, ...] | None:
-        """A shortest way past these obstacles; None if there is none. Robots stop with furniture nearer to them than
-        ways come to it, at the corners of their ways: then it leads away from there first."""
+    def _alone(self, discs: Sequence[Disc], start: Point, goal: Point) -> tuple[Point, ...] | None:
+        """A shortest way past these obstacles; None if there is none. Robots stop with something nearer to them than
+        ways come to it: then it leads away from there first."""
         room, oracle = self._room, self._oracle
-        layout = room.layout.with_discs(self._spared(discs, [start]))
         turns = [math.tau * k / ROUND for k in range(ROUND)]
-        near = ((start[0] + far * math.cos(turn), start[1] + far * math.sin(turn)) for far in OFF_M for turn in turns)
-        first = next((at for at in (start, *near) if oracle.free(layout, room.robot_m, at)), start)
-        found = oracle.shortest(layout, room.robot_m, first, goal)
-        if found is None:
-            return None
-        return found.points if first == start else (start, *found.points)
+        near = [(start[0] + far * math.cos(turn), start[1] + far * math.sin(turn)) for far in OFF_M for turn in turns]
+        for obstacles in (discs, self._spared(discs, [start])):
+            layout = room.layout.with_discs(obstacles)
+            first = next((at for at in (start, *near) if oracle.free(layout, room.robot_m, at)), None)
+            if first is not None:
+                found = oracle.shortest(layout, room.robot_m, first, goal)
+                ahead = () if first == start else (start,)
+                return (*ahead, *found.points) if found is not None else None
+        return None
 
     def _spared(self, discs: Iterable[Disc], starts: Sequence[Point]) -> list[Disc]:
         """Obstacles, those smaller that robots at their starts are too near to: they may go, but come no nearer."""
