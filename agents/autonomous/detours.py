@@ -56,11 +56,12 @@ class Detours:
         """A robot that stands in another one's way steps aside; then those that have stopped, or were about to go, go
         on, and all is planned anew. False if none can, or they did so too often."""
         mind, now = self.mind, self.mind.memory
+        people = recovering.people(mind.words, now.state)
         for blocker in error.behind if now.asides < recovering.MOST_ASIDE else ():
-            at = mind.ways.aside(now.state, blocker, error)
+            at = mind.ways.aside(now.state, blocker, error, people)
             if at is None:
                 continue
-            call = mind.ways.driving(now.state, blocker, {blocker: at}, ())
+            call = mind.ways.driving(now.state, blocker, {blocker: at}, people)
             mind.keep(course=None, need=None, stopped=now.stopped or error.goals, asides=now.asides + 1)
             text = f"has {blocker} step aside to ({at[0]},{at[1]}): {error}"
             mind.emit("made_way", text, step=now.step, robot=blocker, reason=str(error))
@@ -82,7 +83,8 @@ class Detours:
             mind.keep(stuck=stuck)
         if not goals:
             return False
-        calls = tuple(mind.ways.driving(now.state, robot, goals, ()) for robot in sorted(goals))
+        people = recovering.people(mind.words, now.state)
+        calls = tuple(mind.ways.driving(now.state, robot, goals, people) for robot in sorted(goals))
         for robot in sorted(goals):
             x, y = goals[robot]
             mind.emit("safe_state", f"has {robot} go to ({x},{y}), where it is safe", robot=robot, step=now.step)
@@ -95,6 +97,7 @@ class Detours:
         mind, state = self.mind, self.mind.memory.state
         words = mind.words
         taken = {words.cell(state, robot) for robot in words.robots(state) if robot not in off}
+        people = recovering.people(words, state)
         goals: dict[str, Cell] = {}
         stuck: list[str] = []
         for robot in off:
@@ -103,10 +106,10 @@ class Detours:
             held = words.held(state, robot)
             partner = words.holders(state, held[0]).get(3 - held[1]) if held is not None else None
             if partner is None:
-                at = mind.ways.nearest_cell(state, robot, {*taken, *goals.values()})
+                at = mind.ways.nearest_cell(state, robot, {*taken, *goals.values()}, people)
                 found = {robot: at} if at is not None else {}
             else:
-                found = mind.ways.nearest_cells(state, robot, partner, {*taken, *goals.values()})
+                found = mind.ways.nearest_cells(state, robot, partner, {*taken, *goals.values()}, people)
             goals |= found
             stuck += [] if found else [robot, *([partner] if partner is not None else [])]
         return goals, tuple(stuck)

@@ -153,22 +153,29 @@ class Ways:
         return SkillCall(self._words.go, (robot, x, y), {"way": _written(way), "units": self._units(way, 0)})
 
     def nearest_cell(
-        self, state: State, robot: str, taken: Collection[Cell | None], suits: Callable[[Cell], bool] = lambda _: True
+        self,
+        state: State,
+        robot: str,
+        taken: Collection[Cell | None],
+        discs: Sequence[Disc],
+        suits: Callable[[Cell], bool] = lambda _: True,
     ) -> Cell | None:
         """The nearest cell whose middle a robot can get to, of those that are not taken and suit; None if there is
-        none."""
+        none. `discs` are obstacles besides what lies and who stands about."""
         x, y = self._words.point(state, robot)
         for c in sorted(self._room.cells, key=lambda c: (math.dist((x, y), middle(c)), c)):
             if c not in taken:
                 try:
-                    self.way(state, robot, {robot: c})
+                    self.way(state, robot, {robot: c}, discs)
                 except NoWay:
                     continue
                 if suits(c):
                     return c
         return None
 
-    def nearest_cells(self, state: State, robot: str, partner: str, taken: Collection[Cell | None]) -> dict[str, Cell]:
+    def nearest_cells(
+        self, state: State, robot: str, partner: str, taken: Collection[Cell | None], discs: Sequence[Disc]
+    ) -> dict[str, Cell]:
         """As `nearest_cell` for two robots that carry one thing; only those nearby are tried."""
         here, there = (self._words.point(state, each) for each in (robot, partner))
         own = {self._words.cell(state, each) for each in (robot, partner)}
@@ -177,13 +184,13 @@ class Ways:
         pairs.sort(key=lambda pair: (math.dist(here, middle(pair[0])) + math.dist(there, middle(pair[1])), pair))
         for goals in ({robot: c, partner: d} for c, d in pairs[:NEARBY]):
             try:
-                self.way(state, robot, goals)
+                self.way(state, robot, goals, discs)
             except NoWay:
                 continue
             return goals
         return {}
 
-    def aside(self, state: State, blocker: str, refused: NoWay) -> Cell | None:
+    def aside(self, state: State, blocker: str, refused: NoWay, discs: Sequence[Disc]) -> Cell | None:
         """The nearest cell to which a robot can step aside so that another one does not have to get past it; None if
         there is none, or it cannot go by itself."""
         words, held = self._words, self._words.held(state, blocker)
@@ -194,13 +201,14 @@ class Ways:
 
         def suits(c: Cell) -> bool:
             try:
-                self.way({**before, **dict.fromkeys(keys, f"({c[0]},{c[1]})")}, refused.robot, refused.goals)
+                then = {**before, **dict.fromkeys(keys, f"({c[0]},{c[1]})")}
+                self.way(then, refused.robot, refused.goals, discs)
             except NoWay as error:
                 return bool(error.behind) and blocker not in error.behind
             return True
 
         others = (words.cell(state, other) for other in words.robots(state))
-        return self.nearest_cell(state, blocker, {*others, *refused.goals.values()}, suits)
+        return self.nearest_cell(state, blocker, {*others, *refused.goals.values()}, discs, suits)
 
     def _carried(
         self, first: tuple[Point, Point], second: tuple[Point, Point], lying: Sequence[Disc]

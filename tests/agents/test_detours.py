@@ -41,9 +41,10 @@ def test_who_stands_in_the_way_is_named_and_finds_a_place_to_step_aside() -> Non
     with pytest.raises(NoWay, match=r"r2 has no way to \(5,0\) past r1$") as refused:
         ways(SHELF).way(state, "r2", goals)
     assert refused.value.behind == ("r1",)
-    assert ways(SHELF).aside(state, "r1", refused.value) == (4, 1)
+    assert ways(SHELF).aside(state, "r1", refused.value, ()) == (4, 1)
+    assert ways(SHELF).aside(state, "r1", refused.value, [(4.5, 1.5, 0.35)]) is None
     beam = {"at(beam)": "(3,0)", "end(beam)": "(2,0)", "kind(beam)": "beam", "connected(r1)": "grip(beam,1)"}
-    assert ways(SHELF).aside({**state, **beam}, "r1", refused.value) is None
+    assert ways(SHELF).aside({**state, **beam}, "r1", refused.value, ()) is None
 
 
 def test_robots_go_from_where_they_are_too_near_to_something() -> None:
@@ -53,14 +54,14 @@ def test_robots_go_from_where_they_are_too_near_to_something() -> None:
     way = ways(SHELF).way(corner, "r1", {"r1": (5, 1)})
     assert way[0] == (4.18, 0.82)
     assert math.dist(way[0], way[1]) < 0.05
-    assert ways(SHELF).nearest_cell(corner, "r1", ()) == (4, 0)
+    assert ways(SHELF).nearest_cell(corner, "r1", (), ()) == (4, 0)
 
 
 def test_two_robots_put_down_what_they_carry_where_both_can_stand() -> None:
     held = {"connected(r1)": "grip(beam,1)", "connected(r2)": "grip(beam,2)", "kind(beam)": "beam"}
     state = {**robots(r1="(1,0)", r2="(2,0)"), **held, "at(beam)": "(1,0)", "end(beam)": "(2,0)"}
     between = {**state, "pose(r1)": "(1700,500)", "pose(r2)": "(2700,500)"}
-    assert ways(SHELF).nearest_cells(between, "r1", "r2", ()) == {"r1": (1, 0), "r2": (2, 0)}
+    assert ways(SHELF).nearest_cells(between, "r1", "r2", (), ()) == {"r1": (1, 0), "r2": (2, 0)}
 
 
 @pytest.fixture
