@@ -1,4 +1,5 @@
-"""What a recorded run really did, held against the independent checker, step by step of the world.
+"""What a recorded run really did, held against the independent checker, step by step of the world. Where teams act for
+themselves, see `ops.recorded_rooms`.
 
 The actions that the world carried out are taken from the recording, robots that were made to break from its faults,
 and loans from where robots were. A step in which a person put things elsewhere is left out, and checking goes on from
@@ -15,6 +16,7 @@ import msgspec
 
 from bus.messages import Event, State, Value
 from bus.scene import Scene
+from ops.recorded_rooms import Judged, check_rooms
 from ops.recording import Recording
 from reasoning.checker import Break, Exchange, examine
 from reasoning.domain import Domain, load
@@ -54,12 +56,19 @@ def static_beside(path: Path) -> dict[str, Value] | None:
     return None
 
 
-def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violation]:
-    """Every violation of the domain's rules in what was carried out; steps are global."""
+def check_run(recording: Recording, static: Mapping[str, Value]) -> Judged:
+    """Every violation of the domain's rules in what was carried out; steps are global, or the teams' own where nobody
+    conducts them."""
     scene = recording.scene
     if scene is None:
-        return []
+        return Judged([])
     domain = load(scene.domain)
+    judged = _check_together if scene.conducted else check_rooms
+    return judged(recording, scene, domain, static)
+
+
+def _check_together(recording: Recording, scene: Scene, domain: Domain, static: Mapping[str, Value]) -> Judged:
+    """Steps that were carried out together."""
     run = story(recording, scene)
     last = max(run.actions, default=-1)
     found: list[Violation] = []
@@ -73,7 +82,7 @@ def check_run(recording: Recording, static: Mapping[str, Value]) -> list[Violati
         for step in range(first, min(end, last) + 1):
             state |= run.states.get(step, {})
         first = max(first, end + 1)
-    return found
+    return Judged(found)
 
 
 def _owned(domain: Domain, static: Mapping[str, Value], start: State) -> Mapping[str, str]:

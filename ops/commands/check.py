@@ -63,6 +63,7 @@ def execute(args: argparse.Namespace) -> int:
 def _recording(path: Path, as_json: bool) -> int:
     from ops.invariants import check
     from ops.recorded import check_run, static_beside
+    from ops.recorded_rooms import Judged
     from ops.recording import load as load_recording
 
     try:
@@ -71,18 +72,26 @@ def _recording(path: Path, as_json: bool) -> int:
         raise InputError(str(error)) from error
     broken = check(recording)
     static = static_beside(path)
-    violations = check_run(recording, static) if static is not None else []
+    judged = check_run(recording, static) if static is not None else Judged([])
+    violations, unjudged = judged.violations, judged.unjudged
     if static is None:
         print(f"{path}: no TEAM.json beside the recording, so the domain's rules cannot be checked", file=sys.stderr)
     if as_json:
         print_json(
-            {"ok": not broken and not violations, "violations": [*map(_table, violations)], "invariants": broken}
+            {
+                "ok": not broken and not violations,
+                "violations": [*map(_table, violations)],
+                "not_judged": dict(unjudged),
+                "invariants": broken,
+            }
         )
     else:
         for violation in violations:
             print(f"violation    {_text(violation)}")
         for text in broken:
             print(f"invariant    {text}")
+        for why, number in sorted(unjudged.items()):
+            print(f"not judged   {why}: {number}")
         found = f"{_found(len(violations), 'violation')}, {_found(len(broken), 'broken invariant')}"
         print(f"{path}: {count(len(recording.events), 'event')}: {found}")
     return 3 if broken else 1 if violations else 0

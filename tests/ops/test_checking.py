@@ -118,7 +118,7 @@ def recording() -> Any:
 
 
 def test_a_run_that_was_right_has_no_violations() -> None:
-    assert check_run(recording(), STATIC) == []
+    assert check_run(recording(), STATIC).violations == []
 
 
 def test_a_run_in_which_an_action_was_out_of_order_has() -> None:
@@ -130,14 +130,14 @@ def test_a_run_in_which_an_action_was_out_of_order_has() -> None:
             body = msgspec.structs.replace(envelope.body, data={**data, "actions": ["workOn(w1,2)"]})
             envelope = msgspec.structs.replace(envelope, body=body)
         events.append(envelope)
-    found = check_run(replace(made, events=tuple(events)), STATIC)
+    found = check_run(replace(made, events=tuple(events)), STATIC).violations
     assert ("T1", 3, "work_column") in {(v.team, v.step, v.rule) for v in found}
 
 
 def test_a_run_that_stopped_early_is_not_blamed_for_its_goal() -> None:
     made = recording()
     early = tuple(e for e in made.events if e.body.data.get("step", 0) < 10 and e.body.kind != "run_over")
-    assert check_run(replace(made, events=early), STATIC) == []
+    assert check_run(replace(made, events=early), STATIC).violations == []
 
 
 @pytest.mark.parametrize("name", sorted(load("factory").cases))

@@ -58,7 +58,7 @@ def run(home: Path, sharing: str) -> Ended:
     assert over.code == 0, over.told
     static = static_beside(home / "run" / "record")
     assert static is not None
-    assert not check_run(over.recording, static)
+    assert not check_run(over.recording, static).violations
     return over
 
 
