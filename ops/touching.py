@@ -60,7 +60,8 @@ def pushed(recording: Recording, scene: Scene) -> Iterator[str]:
                 break
             # A world that died begins again with an earlier moment.
             passed_s = frame.at_s - before[1] if before is not None and before[0] == life else inf
-            if before is not None and dist(at, before[2]) > WALK_MPS * passed_s + SLACK_M:
+            # People take the last bit to a stop, less than a tick's, at once: a frame may show it a tick early.
+            if before is not None and dist(at, before[2]) > WALK_MPS * (passed_s + scene.dt_s) + SLACK_M:
                 yield f"{frame.at_s:.2f} s: {person.id} was carried along, faster than people walk"
                 break
             before = life, frame.at_s, at
