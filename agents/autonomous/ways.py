@@ -191,8 +191,8 @@ class Ways:
         return {}
 
     def aside(self, state: State, blocker: str, refused: NoWay, discs: Sequence[Disc]) -> Cell | None:
-        """The nearest cell to which a robot can step aside so that another one does not have to get past it; None if
-        there is none, or it cannot go by itself."""
+        """The nearest cell to which a robot can step aside, round `discs` too, so that another one does not have to get
+        past it; None if there is none, or it cannot go by itself."""
         words, held = self._words, self._words.held(state, blocker)
         if held is not None and len(words.ends(state, held[0])) == 2:
             return None
@@ -202,7 +202,7 @@ class Ways:
         def suits(c: Cell) -> bool:
             try:
                 then = {**before, **dict.fromkeys(keys, f"({c[0]},{c[1]})")}
-                self.way(then, refused.robot, refused.goals, discs)
+                self.way(then, refused.robot, refused.goals)
             except NoWay as error:
                 return bool(error.behind) and blocker not in error.behind
             return True
