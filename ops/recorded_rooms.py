@@ -24,7 +24,7 @@ DOORS = ("leave", "enter", "recall")
 """Skills that take a robot from room to room."""
 AT_DOORS = "actions that lead from room to room, since the rules are about one room at a time"
 BETWEEN = "ways past or from what is between two cells, since the rules know cells only"
-DISTURBED = "actions that would have been wrong if nobody had changed the room at that time"
+DISTURBED = "what looks wrong, since somebody changed the room at that time"
 UNSEEN = "actions in steps whose beginning was not recorded"
 UNFINISHED = "actions that were under way when the recording ended"
 LATE = "conditions on the last steps of a plan, since each step is judged by itself"
@@ -43,11 +43,16 @@ def check_rooms(recording: Recording, scene: Scene, domain: Domain, static: Mapp
     truth, unjudged = Truth(recording, scene), Counter[str]()
     steps = truth.steps()
     found = [violation for step in steps for violation in _judged(truth, domain, static, step, unjudged)]
-    if any(isinstance(e.body, Event) and e.body.kind == "run_over" and e.body.data.get("goal") is True
-           for e in recording.events):  # fmt: skip
-        last = {step.team: step for step in steps}
-        for team in truth.spaces:
-            found += _missed(truth, domain, static, team, last.get(team))
+    last = {step.team: step for step in steps}
+    for envelope in recording.events:
+        if isinstance(envelope.body, Event) and envelope.body.kind == "run_over" and envelope.body.data.get("goal"):
+            for team in truth.spaces:
+                missed = [*_missed(truth, domain, static, team, last.get(team), envelope.at_s)]
+                since_s = last[team].ended_s if team in last else 0.0
+                if missed and truth.disturbed(team, since_s, envelope.at_s):
+                    unjudged[DISTURBED] += len(missed)
+                else:
+                    found += missed
     unjudged[LATE] += sum(key.startswith(f"{domain.data.autonomy['late']}(") for key in static)
     return Judged(found, +unjudged)
 
@@ -97,11 +102,11 @@ def _gripped(truth: Truth, step: Step, action: str) -> dict[str, Value]:
 
 
 def _missed(
-    truth: Truth, domain: Domain, static: Mapping[str, Value], team: str, last: Step | None
+    truth: Truth, domain: Domain, static: Mapping[str, Value], team: str, last: Step | None, over_s: float
 ) -> Iterator[Violation]:
-    """What the checker misses in a room at the end. The time that counts is that of the last change of what lies there
-    or is held: a team that is done may help others."""
-    frames = [frame for _, _, frame in truth.frames]
+    """What the checker misses in a room when the run is over. The time that counts is that of the last change of what
+    lies there or is held: a team that is done may help others."""
+    frames = [frame for _, at_s, frame in truth.frames if at_s <= over_s]
     tidy = truth.lying(team, frames[-1])
     since = frames[-1]
     for frame in reversed(frames):
@@ -110,16 +115,18 @@ def _missed(
         since = frame
     state = truth.state(team, frames[-1], last.after or {} if last is not None else {})
     state[truth.spaces[team].clock] = truth.units(since)
-    verdict = examine(domain, _with_deadline(truth, domain, static, team), {team: state}, {team: []})
+    verdict = examine(domain, _with_deadline(truth, domain, static, team, over_s), {team: state}, {team: []})
     yield from (replace(v, step=last.number + 1 if last is not None else 0) for v in verdict.violations)
 
 
-def _with_deadline(truth: Truth, domain: Domain, static: Mapping[str, Value], team: str) -> dict[str, Value]:
-    """The constants, with a team's deadline as it was changed last."""
+def _with_deadline(
+    truth: Truth, domain: Domain, static: Mapping[str, Value], team: str, over_s: float
+) -> dict[str, Value]:
+    """The constants, with a team's deadline as it was when the run was over."""
     space, now = truth.spaces[team], dict(static)
     key = f"{domain.data.costs['most']}({space.room},{space.clock})"
-    for _, _, event in truth.told:
-        if event.kind == "order" and event.data["team"] == team and "deadline" in event.data:
+    for _, at_s, event in truth.told:
+        if at_s <= over_s and event.kind == "order" and event.data["team"] == team and "deadline" in event.data:
             units = int(str(event.data["deadline"]))
             now = {**{name: value for name, value in now.items() if name != key}, **({key: units} if units else {})}
     return now
