@@ -19,6 +19,7 @@ from reasoning.words import count
 EPILOG = """\
 Exit code 0: nothing is wrong; 1: there are violations; 3: a recorded run breaks an invariant.
 A repair in a plan says that its robot broke before: what then had no effect is a discrepancy, which is no violation.
+Where teams act for themselves, every recorded step is judged from the truth before it; what cannot be judged is told.
 """
 
 

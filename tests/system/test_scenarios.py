@@ -12,6 +12,8 @@ import pytest
 
 from ops.children import environment
 from ops.places import runnable
+from ops.recorded import check_run, static_beside
+from ops.recording import load as load_recording
 from ops.scenario import load
 
 LIMIT_S = 240.0
@@ -44,3 +46,8 @@ def test_a_shipped_scenario_ends_with_its_verdict(name: str, tmp_path: Path) -> 
     assert done.returncode == scenario.verdict.exit
     assert told["pids"]
     assert not [pid for pid in told["pids"] if exists(pid)]
+    recording, static = load_recording(tmp_path / "run"), static_beside(tmp_path / "run")
+    assert recording.scene is not None
+    assert static is not None
+    if not recording.scene.conducted:
+        assert check_run(recording, static).violations == []
