@@ -65,6 +65,7 @@ class Recorder:
         self.accounts: dict[tuple[str, int], Account] = {}
         self._writer = writer
         self._ask = ask
+        self._closing = False
 
     def resume(self, directory: Path) -> None:
         """Go on after an earlier recorder of the same run: what it wrote counts as recorded."""
@@ -72,7 +73,16 @@ class Recorder:
             self._account(envelope.src, envelope.inc).note(envelope.seq)
 
     def take(self, message: Envelope | Scene) -> None:
-        """Write a message down, unless it is an event that is written already."""
+        """Write a message down, unless it is an event that is written already, or is said after the accounts are being
+        closed: then a source's last word is its answer."""
+        if not (self._closing and isinstance(message, Envelope) and self._late(message)):
+            self._write(message)
+
+    def _late(self, message: Envelope) -> bool:
+        body, account = message.body, self._account(message.src, message.inc)
+        return isinstance(body, Event) or (isinstance(body, Beat) and body.events > max(account.known, account.sent))
+
+    def _write(self, message: Envelope | Scene) -> None:
         if isinstance(message, Scene):
             self._writer.add("scene", message)
             return
@@ -108,6 +118,7 @@ class Recorder:
         `in_time` says whether there is time for one more question; sources not asked count as unknown.
         """
         silent: set[str] = set()
+        self._closing = True
         for account in self.accounts.values():
             account.sent = -1  # what it said in the middle of the run is not its last word
         for (source, incarnation), account in sorted(self.accounts.items()):
@@ -145,6 +156,6 @@ class Recorder:
             for packed in answer.packed:
                 envelope = decode(packed)
                 if not isinstance(envelope, Refusal) and (envelope.src, envelope.inc) == (source, incarnation):
-                    self.take(envelope)
+                    self._write(envelope)
             if not account.missing() or account.recorded == before:
                 return True

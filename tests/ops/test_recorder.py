@@ -73,6 +73,33 @@ def test_whatever_is_lost_repeated_or_late_is_recorded_once(tmp_path: Path, seed
     assert list(counts(got)) == []
 
 
+def test_what_is_said_while_the_accounts_are_closed_is_of_after_the_end(tmp_path: Path) -> None:
+    before, after = ALL[: len(ALL) // 2], ALL[len(ALL) // 2 :]
+    journals, writer = Journals(before), Writer(tmp_path / "run.mcap")
+
+    def talk() -> None:
+        for event in after:
+            recorder.take(event)
+            recorder.take(msgspec.structs.replace(event, body=Beat(pid=1, events=event.seq)))
+
+    def ask(source: str, question: EventsFrom) -> EventsAre | None:
+        answer = journals.ask(source, question)
+        talk()  # before its answer is taken in, and while others are asked
+        return answer
+
+    recorder = Recorder(RUN, writer, ask)
+    for event in before:
+        if event.seq % 2:  # the first of everybody, or nobody would know whom to ask
+            recorder.take(event)
+    summary = recorder.finish()
+    talk()
+    writer.close()
+    got = load(tmp_path)
+    assert sorted(got.events, key=str) == sorted(before, key=str)
+    assert all(c.sent == c.recorded and not c.missing for c in summary.sources)
+    assert list(counts(got)) == []
+
+
 def test_former_lives_are_asked_about_and_the_silent_are_named(tmp_path: Path) -> None:
     second_life = [msgspec.structs.replace(e, inc=2) for e in ALL[:4]]
     journals = Journals([*ALL, *second_life])
