@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
 
 from tests.agents.house import Home
-from tests.agents.test_autonomous import NOVEL, RUG, TO_KITCHEN, kitchen, living, weigh
 from tests.agents.test_autonomous_kills import quick, thoughts
+from tests.agents.test_autonomous_recall import home
 
-__all__ = ["quick", "thoughts"]
-
-
-@pytest.fixture
-def home(tmp_path: Path) -> Iterator[Home]:
-    """The kitchen helps the living room to carry the rug."""
-    made = Home(tmp_path, {"living": living(RUG, NOVEL, **TO_KITCHEN), "kitchen": kitchen(("mug_1", "mug", 2, 2))})
-    weigh(made, "rug", (3, 2))
-    yield made
-    made.close()
+__all__ = ["home", "quick", "thoughts"]
 
 
 def at_work(home: Home, team: str, purpose: str) -> Callable[[], bool]:

@@ -183,9 +183,8 @@ def test_everybody_is_helped_and_every_robot_comes_home(seed: int, needs: tuple[
     house.until(house.quiet)
 
 
-@settings(max_examples=150, deadline=None)
-@given(seed=st.integers(0, 2**32), needs=st.tuples(*[st.integers(0, 1)] * 3), at=st.integers(0, 150))
-def test_who_is_out_of_contact_for_a_while_holds_nobody_up(seed: int, needs: tuple[int, ...], at: int) -> None:
+def bereft(seed: int, needs: tuple[int, ...], at: int) -> tuple[House, str]:
+    """A house that has lost contact with one of its teams after so many turns, and which."""
     house = House(random.Random(seed), 0.3)
     for name, number in zip(TEAMS, needs, strict=True):
         house[name].needs = number
@@ -194,6 +193,13 @@ def test_who_is_out_of_contact_for_a_while_holds_nobody_up(seed: int, needs: tup
         house.check()
     gone = house.dice.choice(TEAMS)
     house.lose(gone)
+    return house, gone
+
+
+@settings(max_examples=150, deadline=None)
+@given(seed=st.integers(0, 2**32), needs=st.tuples(*[st.integers(0, 1)] * 3), at=st.integers(0, 150))
+def test_who_is_out_of_contact_for_a_while_holds_nobody_up(seed: int, needs: tuple[int, ...], at: int) -> None:
+    house, gone = bereft(seed, needs, at)
     for _ in range(200):
         house.turn()
         house.check()
@@ -208,14 +214,7 @@ def test_who_is_out_of_contact_for_a_while_holds_nobody_up(seed: int, needs: tup
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32), needs=st.tuples(*[st.integers(0, 2)] * 3), at=st.integers(0, 150))
 def test_who_dies_for_good_keeps_nobodys_robot(seed: int, needs: tuple[int, ...], at: int) -> None:
-    house = House(random.Random(seed), 0.3)
-    for name, number in zip(TEAMS, needs, strict=True):
-        house[name].needs = number
-    for _ in range(at):
-        house.turn()
-        house.check()
-    gone = house.dice.choice(TEAMS)
-    house.lose(gone)
+    house, gone = bereft(seed, needs, at)
     house.until(lambda: house.quiet(but=gone))
 
 
