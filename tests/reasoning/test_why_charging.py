@@ -13,7 +13,7 @@ from reasoning.values import Problem
 from reasoning.why import Clash, Possible, explain
 from tests.encodings.charging.teams import DOMAIN, drawn, team
 from tests.encodings.charging.test_charging_agreement import problem_of, step_of
-from tests.reasoning.test_why import allowed, clash, possible
+from tests.reasoning.test_why import allowed, check_minimal, clash
 
 EMPTY = team([((2, 2), 3, 1)], [(2, 2, 0)])
 """One box, at the last place where it can be worked on, and beside it who can finish it, were there power."""
@@ -87,11 +87,7 @@ def test_every_clash_is_minimal_and_agrees_with_the_planner(seed: int) -> None:
     assert isinstance(explain(never(problem)), Possible)
     shortest = found.plan.makespan
     assert isinstance(explain(no_plan(problem, shortest, shortest + 1)), Possible)
-    make = no_plan(problem, shortest - 1, shortest)
-    members = clash(make)
-    assert not possible(make, sorted(members))
-    for member in members:
-        assert possible(make, sorted(members - {member})), member
+    check_minimal(no_plan(problem, shortest - 1, shortest))
 
 
 # ---------------------------------------------------------------- a suspicion
