@@ -12,11 +12,11 @@ Drawn runs: robots that wander and work at random but legally, some of which bre
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from statistics import mean, median
 from typing import Any
 
-from bench.measured import Options, Work, cpu_s, measured, options, serve
+from bench.measured import Options, Work, cpu_s, ignored, measured, options, serve, telling
 from bus.clock import wall_s
 from reasoning.diagnoser import broken_in, diagnose
 from reasoning.enumeration import agrees, enumerated
@@ -27,29 +27,59 @@ from tests.reasoning.simulator import needed
 
 MODULE = "bench.diagnose"
 SECTIONS = ("small", "large")
+ABOUT = "Diagnoses of drawn runs."
+Row = dict[str, Any]
 LARGE_RUNS = 100
 
 
-def run(chosen: Options | None = None) -> dict[str, Any]:
-    """Measure: seconds of processor time (`_s`), megabytes (`_mb`), expected numbers of inspections."""
-    chosen = chosen or options(SECTIONS, "Diagnoses of drawn runs.")
+def run(chosen: Options | None = None, on_row: Callable[[str, Row], None] = ignored) -> dict[str, Any]:
+    """Measure: seconds of processor time (`_s`), megabytes (`_mb`), expected numbers of inspections. `on_row` gets each
+    row when it is there, with how many are broken, or ``large``."""
+    chosen = chosen or options(SECTIONS, ABOUT)
     result: dict[str, Any] = {"limit_s": chosen.limit_s}
-    if chosen.wants("small"):
-        result["small"] = {str(broken): _small(broken, chosen) for broken in ((1,) if chosen.quick else (1, 2, 3))}
-    if chosen.wants("large"):
-        result["large"] = _large(chosen)
+    with telling(result):
+        if chosen.wants("small"):
+            small = result["small"] = {}
+            for broken in (1,) if chosen.quick else (1, 2, 3):
+                _note(_small_tasks(broken, chosen), chosen, small, str(broken), _small, on_row)
+        if chosen.wants("large"):
+            tasks = [("large", {"seed": seed}) for seed in range(2 if chosen.quick else LARGE_RUNS)]
+            _note(tasks, chosen, result, "large", _large, on_row)
     return result
 
 
-def _small(broken: int, chosen: Options) -> dict[str, Any]:
-    """Medians over as many drawn runs as runs are wanted."""
-    drawn = [{"seed": seed, "broken": broken} for seed in range(chosen.runs)]
-    once = chosen._replace(runs=1)
-    ours = measured(MODULE, [("optimisation", run) for run in drawn], once)
-    theirs = measured(MODULE, [("enumeration", {**run, "limit_s": chosen.limit_s}) for run in drawn], once)
+def _note(
+    tasks: Sequence[tuple[str, dict[str, Any]]],
+    chosen: Options,
+    rows: dict[str, Row],
+    name: str,
+    summed: Callable[[list[Row]], Row],
+    on_row: Callable[[str, Row], None],
+) -> None:
+    """Note the row of these tasks, each run once; when somebody interrupts, of those that are done."""
+    found: list[Row] = []
+    try:
+        measured(MODULE, tasks, chosen._replace(runs=1), found.append)
+    finally:
+        if len(found) > 1:
+            rows[name] = summed(found)
+            on_row(name, rows[name])
+
+
+def _small_tasks(broken: int, chosen: Options) -> list[tuple[str, dict[str, Any]]]:
+    """As many drawn runs as runs are wanted, each told by both."""
+    drawn: list[dict[str, Any]] = [{"seed": seed, "broken": broken} for seed in range(chosen.runs)]
+    both = [[("optimisation", run), ("enumeration", {**run, "limit_s": chosen.limit_s})] for run in drawn]
+    return [task for pair in both for task in pair]
+
+
+def _small(found: list[Row]) -> Row:
+    """Medians; one that has no other yet is left out."""
+    theirs = found[1::2]
+    ours = found[::2][: len(theirs)]
     ratios = [other["cpu_s"] / one["cpu_s"] for one, other in zip(ours, theirs, strict=True)]
     return {
-        "runs": len(drawn),
+        "runs": len(ours),
         "optimisation": _spread([one["cpu_s"] for one in ours]),
         "enumeration": _spread([other["cpu_s"] for other in theirs]),
         "memory_mb": median(one["memory_mb"] for one in ours),
@@ -60,9 +90,7 @@ def _small(broken: int, chosen: Options) -> dict[str, Any]:
     }
 
 
-def _large(chosen: Options) -> dict[str, Any]:
-    drawn = [{"seed": seed} for seed in range(2 if chosen.quick else LARGE_RUNS)]
-    rows = measured(MODULE, [("large", run) for run in drawn], chosen._replace(runs=1))
+def _large(rows: list[Row]) -> Row:
     return {
         "runs": len(rows),
         "optimisation": _spread([row["cpu_s"] for row in rows]),
@@ -121,25 +149,31 @@ def main() -> None:
     """Measure and print, or do one piece of the work."""
     if serve(WORK):
         return
-    result = run()
-    if "small" in result:
-        print("4 robots, 27 steps   one optimisation (range)   enumeration (range)       calls  ratio  agreed  memory")
-        for broken, row in result["small"].items():
-            unfinished = "" if row["finished"] == row["runs"] else f"; {row['finished']} of {row['runs']} finished"
-            print(
-                f"{broken} broken          {_words(row['optimisation'])}{_words(row['enumeration'])}{row['calls']:9.0f}"
-                f"{'>' if unfinished else ' '}{row['ratio']:6.0f}{row['agreed']:5} of {row['runs']}"
-                f"{row['memory_mb']:6.0f} MB{unfinished}"
-            )
-    if (row := result.get("large")) is not None:
-        print(f"20 robots, 50 steps, 3 broken: {row['runs']} runs")
-        print(f"  one optimisation    {_words(row['optimisation'])}{row['memory_mb']:6.0f} MB")
-        print(f"  truth among the least explanations   {row['truth_found']} of {row['runs']}")
-        print(f"  more than one explanation            {row['several_explanations']} of {row['runs']}")
-        print(f"  inspections to be expected           {row['mean_expected']:.2f}, on the average of all runs")
-        for name, words in (("arbitrary", "all robots"), ("arbitrary_useful", "those worth it")):
-            share = f", {row['mean_expected'] / row[f'mean_{name}']:.0%} of it" if row[f"mean_{name}"] else ""
-            print(f"  in arbitrary order, {words:15}  {row[f'mean_{name}']:.2f}{share}")
+    chosen = options(SECTIONS, ABOUT)
+    if chosen.wants("small"):
+        head = "4 robots, 27 steps   one optimisation (range)   enumeration (range)       calls  ratio  agreed  memory"
+        print(head, flush=True)
+    run(chosen, _print_row)
+
+
+def _print_row(name: str, row: Row) -> None:
+    if name != "large":
+        unfinished = "" if row["finished"] == row["runs"] else f"; {row['finished']} of {row['runs']} finished"
+        print(
+            f"{name} broken          {_words(row['optimisation'])}{_words(row['enumeration'])}{row['calls']:9.0f}"
+            f"{'>' if unfinished else ' '}{row['ratio']:6.0f}{row['agreed']:5} of {row['runs']}"
+            f"{row['memory_mb']:6.0f} MB{unfinished}",
+            flush=True,
+        )
+        return
+    print(f"20 robots, 50 steps, 3 broken: {row['runs']} runs")
+    print(f"  one optimisation    {_words(row['optimisation'])}{row['memory_mb']:6.0f} MB")
+    print(f"  truth among the least explanations   {row['truth_found']} of {row['runs']}")
+    print(f"  more than one explanation            {row['several_explanations']} of {row['runs']}")
+    print(f"  inspections to be expected           {row['mean_expected']:.2f}, on the average of all runs")
+    for key, words in (("arbitrary", "all robots"), ("arbitrary_useful", "those worth it")):
+        share = f", {row['mean_expected'] / row[f'mean_{key}']:.0%} of it" if row[f"mean_{key}"] else ""
+        print(f"  in arbitrary order, {words:15}  {row[f'mean_{key}']:.2f}{share}", flush=True)
 
 
 def _words(seconds: dict[str, float]) -> str:

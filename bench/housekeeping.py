@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from bench.measured import Options, Work, cpu_s, measured, options, serve
+from bench.measured import Options, Work, cpu_s, ignored, measured, options, serve, telling
 from bench.rooms import DOMAIN, SIZES, Size, known_room, problem
 from bus.clock import wall_s
 from reasoning import reference
@@ -28,28 +28,30 @@ from reasoning.values import Plan, Problem
 MODULE = "bench.housekeeping"
 LEVELS = ("none", "static", "interleaved", "both")
 SECTIONS = (*LEVELS, "reference")
+ABOUT = "Geometry inside planning, at four levels."
 TARGET = "both"
 DRAWS = 200
 Row = dict[str, Any]
 """Figures of one size: ``size``, ``seed``, and by section what it took."""
 
 
-def run(chosen: Options | None = None, on_row: Callable[[Row], None] = lambda _: None) -> dict[str, Any]:
+def run(chosen: Options | None = None, on_row: Callable[[Row], None] = ignored) -> dict[str, Any]:
     """Measure: seconds of processor time for planning, all replans together (`planning_s`), the same by the clock
     (`planning_wall_s`), questions about motion, and replans. `on_row` gets the figures of each size when they are
     there."""
-    chosen = chosen or options(SECTIONS, "Geometry inside planning, at four levels.")
+    chosen = chosen or options(SECTIONS, ABOUT)
     chosen = chosen._replace(runs=min(chosen.runs, 3))
     sections = [section for section in SECTIONS if chosen.wants(section)]
     rows: list[Row] = []
-    for size in SIZES[:4] if chosen.quick else SIZES:
-        seed = measured(MODULE, [("draw", {"size": list(size)})], chosen._replace(runs=1))[0]["seed"]
-        order = sorted(sections, key=lambda section: section in LEVELS)  # what takes longest begins first
-        figures = measured(MODULE, [_task(section, size, seed, chosen.limit_s) for section in order], chosen)
-        rows.append({"size": list(size), "seed": seed, **dict(zip(order, figures, strict=True))})
-        on_row(rows[-1])
-    totals = {section: sum(row[section]["planning_s"] for row in rows) for section in sections}
-    return {"limit_s": chosen.limit_s, "problems": rows, "total_s": totals}
+    result = {"limit_s": chosen.limit_s, "problems": rows}
+    with telling(result):
+        for size in SIZES[:4] if chosen.quick else SIZES:
+            seed = measured(MODULE, [("draw", {"size": list(size)})], chosen._replace(runs=1))[0]["seed"]
+            order = sorted(sections, key=lambda section: section in LEVELS)  # what takes longest begins first
+            figures = measured(MODULE, [_task(section, size, seed, chosen.limit_s) for section in order], chosen)
+            rows.append({"size": list(size), "seed": seed, **dict(zip(order, figures, strict=True))})
+            on_row(rows[-1])
+    return {**result, "total_s": {section: sum(row[section]["planning_s"] for row in rows) for section in sections}}
 
 
 def _task(section: str, size: Size, seed: int, limit_s: float) -> tuple[str, dict[str, Any]]:
@@ -146,10 +148,11 @@ def main() -> None:
     """Measure and print, or do one piece of the work."""
     if serve(WORK):
         return
+    chosen = options(SECTIONS, ABOUT)
     print("planning, replans included: seconds of processor time / questions about motion / replans")
     print("> : it did not end within the limit; refused: the checker has objections to the plan")
     print("robots things steps" + "".join(f"{section:>24}" for section in SECTIONS), flush=True)
-    result = run(on_row=_print_row)
+    result = run(chosen, _print_row)
     rows, totals = result["problems"], result["total_s"]
     ended = {section: all(row[section]["status"] == "optimal" for row in rows) for section in totals}
     words = {section: f"{'' if ended[section] else '> '}{total:.1f} s" for section, total in totals.items()}

@@ -2,6 +2,9 @@
 
 A benchmark module lists its pieces of work by name in `WORK`: a function from plain values to figures. `measured` runs
 one in a fresh process, several times, and adds seconds of processor time, wall seconds and the peak of memory.
+
+Who presses Ctrl-C has what was measured till then: rows are told as they come, the interrupt carries the figures, and
+no process outlives it.
 """
 
 from __future__ import annotations
@@ -10,8 +13,10 @@ import argparse
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from statistics import median
@@ -51,32 +56,85 @@ def options(sections: Sequence[str], what: str) -> Options:
     return Options(given.runs, given.limit, given.quick, given.jobs, tuple(given.only))
 
 
-def measured(module: str, tasks: Sequence[tuple[str, Mapping[str, Any]]], chosen: Options) -> list[dict[str, Any]]:
+def ignored(*_: object) -> None:
+    """For those who want the figures at the end only."""
+
+
+@contextmanager
+def telling(result: dict[str, Any]) -> Iterator[None]:
+    """Ctrl-C inside carries `result`, the figures so far, as its argument."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(result) from None
+
+
+def measured(
+    module: str,
+    tasks: Sequence[tuple[str, Mapping[str, Any]]],
+    chosen: Options,
+    on_figures: Callable[[dict[str, Any]], None] = ignored,
+) -> list[dict[str, Any]]:
     """The figures of each task, (name of its work, arguments). A task is run `chosen.runs` times, but not again once
-    its runs have taken `chosen.limit_s` together. Progress goes to stderr."""
+    its runs have taken `chosen.limit_s` together. Progress goes to stderr. `on_figures` gets the figures in the order
+    of the tasks, each as soon as it and all before it are there. Raises RuntimeError when a run fails."""
+    with ThreadPoolExecutor(chosen.jobs) as pool, _Processes(module) as processes:
 
-    def repeated(task: tuple[str, Mapping[str, Any]]) -> dict[str, Any]:
-        runs: list[dict[str, Any]] = []
-        while len(runs) < chosen.runs and sum(run["wall_s"] for run in runs) < chosen.limit_s:
-            runs.append(fresh(module, *task))
-        figures = summary(runs)
-        words = ", ".join(f"{key} {value}" for key, value in task[1].items() if not isinstance(value, (dict, list)))
-        print(f"{task[0]}: {words}: {figures['cpu_s']:.2f} s, {len(runs)} runs", file=sys.stderr, flush=True)
-        return figures
+        def repeated(task: tuple[str, Mapping[str, Any]]) -> dict[str, Any]:
+            given = [f"{key} {value}" for key, value in task[1].items() if not isinstance(value, (dict, list))]
+            words = f"{task[0]}: {', '.join(given)}" if given else task[0]
+            runs: list[dict[str, Any]] = []
+            while len(runs) < chosen.runs and sum(run["wall_s"] for run in runs) < chosen.limit_s:
+                runs.append(processes.run(*task))
+                progress(f"{words}: {runs[-1]['cpu_s']:.2f} s, run {len(runs)} of {chosen.runs}")
+            return summary(runs)
 
-    with ThreadPoolExecutor(chosen.jobs) as pool:
-        return list(pool.map(repeated, tasks))
+        every = []
+        for figures in pool.map(repeated, tasks):
+            every.append(figures)
+            on_figures(figures)
+        return every
 
 
-def fresh(module: str, work: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """One run in a new process. Raises RuntimeError when it fails."""
-    command = [sys.executable, "-m", module, "work", work, json.dumps(arguments)]
-    begun = wall_s()
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    if done.returncode:
-        raise RuntimeError(f"{work} {arguments} failed: {done.stderr}")
-    figures: dict[str, Any] = json.loads(done.stdout)
-    return {**figures, "process_wall_s": wall_s() - begun}
+def progress(text: str) -> None:
+    """A line on stderr, in one piece: several threads tell theirs."""
+    sys.stderr.write(text + "\n")
+    sys.stderr.flush()
+
+
+class _Processes:
+    """Runs in new processes, none of which outlives the ``with`` block."""
+
+    def __init__(self, module: str) -> None:
+        self._module, self._lock, self._over = module, threading.Lock(), False
+        self._running: set[subprocess.Popen[str]] = set()
+
+    def __enter__(self) -> _Processes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._over = True
+            for process in self._running:
+                process.kill()
+
+    def run(self, work: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """Figures of one run. Raises RuntimeError when it fails, and when the block is over."""
+        command = [sys.executable, "-m", self._module, "work", work, json.dumps(arguments)]
+        begun = wall_s()
+        with self._lock:
+            if self._over:
+                raise RuntimeError(f"{work} {arguments} was to begin after the end")
+            process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self._running.add(process)
+        with process:
+            out, errors = process.communicate()
+        with self._lock:
+            self._running.remove(process)
+        if process.returncode:
+            raise RuntimeError(f"{work} {arguments} failed: {errors}")
+        figures: dict[str, Any] = json.loads(out)
+        return {**figures, "process_wall_s": wall_s() - begun}
 
 
 def cpu_s() -> float:

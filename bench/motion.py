@@ -16,6 +16,7 @@ from itertools import combinations, product
 from statistics import median
 from typing import Any
 
+from bench.measured import ignored, progress, telling
 from bus.clock import wall_s
 from reasoning.motion.connectivity import MARGIN_M, Connectivity
 from reasoning.motion.convex import Point
@@ -35,15 +36,23 @@ REPEATED = 5
 SEED = 1
 
 
-def run(rooms: int = ROOMS) -> dict[str, Any]:
-    """Measure; times in microseconds (`_us`) and milliseconds (`_ms`) of processor time, wall time for payloads."""
+def run(rooms: int = ROOMS, on_part: Callable[[str, dict[str, Any]], None] = ignored) -> dict[str, Any]:
+    """Measure; times in microseconds (`_us`) and milliseconds (`_ms`) of processor time, wall time for payloads.
+    `on_part` gets the name of each of the three parts, and its figures, when they are there."""
     rng = random.Random(SEED)
     drawn = [Layout(SIDE_M, SIDE_M, _furniture(rng), _things(rng)) for _ in range(rooms)]
-    return {
-        "connectivity": _connectivity(rng, drawn),
-        "trajectories": _trajectories(drawn[: rooms // 4]),
-        "payload": _payload(rng, drawn[: rooms // 4]),
+    parts: dict[str, Callable[[], dict[str, Any]]] = {
+        "connectivity": lambda: _connectivity(rng, drawn),
+        "trajectories": lambda: _trajectories(drawn[: rooms // 4]),
+        "payload": lambda: _payload(rng, drawn[: rooms // 4]),
     }
+    result: dict[str, Any] = {}
+    with telling(result):
+        for name, part in parts.items():
+            progress(f"{name} in {rooms if name == 'connectivity' else rooms // 4} rooms")
+            result[name] = part()
+            on_part(name, result[name])
+    return result
 
 
 def _connectivity(rng: random.Random, drawn: list[Layout]) -> dict[str, Any]:
@@ -181,12 +190,16 @@ def _things(rng: random.Random) -> tuple[Disc, ...]:
     return tuple((*_point(rng), rng.uniform(0.05, 0.2)) for _ in range(8))
 
 
+ROW = "{:34}{:10.2f} {unit}{:10.2f} {unit}{:10.2f} {unit}"
+
+
 def main() -> None:
     """Measure and print."""
-    figures = run()
-    row = "{:34}{:10.2f} {unit}{:10.2f} {unit}{:10.2f} {unit}"
-    print(f"{'connectivity of a disc':34}{'median':>13}{'p99':>13}{'max':>13}")
-    found = figures["connectivity"]
+    print(f"{'connectivity of a disc':34}{'median':>13}{'p99':>13}{'max':>13}", flush=True)
+    run(on_part=lambda name, found: print(*TOLD[name](found), sep="\n", flush=True))
+
+
+def _connectivity_told(found: dict[str, Any]) -> Iterator[str]:
     for name, key in (
         ("a new room", "new_room_ms"),
         ("things moved", "things_moved_ms"),
@@ -196,18 +209,26 @@ def main() -> None:
         ("shapely: a query", "shapely_query_us"),
     ):
         if key in found:
-            print(row.format(f"  {name}", *found[key].values(), unit=key[-2:]))
+            yield ROW.format(f"  {name}", *found[key].values(), unit=key[-2:])
     ratios = [value for name, value in found.items() if name.startswith("ratio_")]
     if ratios:
-        print("  of shapely's medians: new room {:.2f}, things moved {:.2f}, query {:.2f}".format(*ratios))
-    print(f"  {100 * found['with_a_path']:.0f} % of the queries with a path")
-    print("trajectories")
-    found = figures["trajectories"]
-    print(row.format("  all pairs of 64 cells", *found["all_pairs_of_64_cells_ms"].values(), unit="ms"))
-    print(row.format("  one in a new layout", *found["one_in_a_new_layout_ms"].values(), unit="ms"))
-    print("a table of 1 m carried by two robots (wall time)")
-    for verdict, spent in figures["payload"].items():
-        print(row.format(f"  {verdict:10} {spent['count']:4} times", *spent["ms"].values(), unit="ms"))
+        yield "  of shapely's medians: new room {:.2f}, things moved {:.2f}, query {:.2f}".format(*ratios)
+    yield f"  {100 * found['with_a_path']:.0f} % of the queries with a path"
+
+
+def _trajectories_told(found: dict[str, Any]) -> Iterator[str]:
+    yield "trajectories"
+    yield ROW.format("  all pairs of 64 cells", *found["all_pairs_of_64_cells_ms"].values(), unit="ms")
+    yield ROW.format("  one in a new layout", *found["one_in_a_new_layout_ms"].values(), unit="ms")
+
+
+def _payload_told(found: dict[str, Any]) -> Iterator[str]:
+    yield "a table of 1 m carried by two robots (wall time)"
+    for verdict, spent in found.items():
+        yield ROW.format(f"  {verdict:10} {spent['count']:4} times", *spent["ms"].values(), unit="ms")
+
+
+TOLD = {"connectivity": _connectivity_told, "trajectories": _trajectories_told, "payload": _payload_told}
 
 
 if __name__ == "__main__":

@@ -8,11 +8,12 @@ Where the reference does not finish within ``--limit`` seconds, the ratio is tol
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 from statistics import median
 from typing import Any
 
-from bench.measured import Options, Work, measured, options, serve
+from bench.measured import Options, Work, ignored, measured, options, serve, telling
 from bench.teams import team
 from bus.clock import wall_s
 from reasoning import reference
@@ -21,24 +22,41 @@ from reasoning.values import Found
 
 MODULE = "bench.plan"
 SECTIONS = ("planner", "reference")
+ABOUT = "Shortest plans of one team, with proof."
 WORKERS = (((1, 3), 1), ((1, 2), 3), ((1, 1), 2))
+Row = dict[str, Any]
+"""Figures of one team: ``workers``, ``boxes``, by section what it took, and the ratio if there are both sections."""
 
 
-def run(chosen: Options | None = None) -> dict[str, Any]:
-    """Measure: seconds (`_s`), megabytes (`_mb`), solver conflicts, and ratios of the reference's to our seconds."""
-    chosen = chosen or options(SECTIONS, "Shortest plans of one team, with proof.")
+def run(chosen: Options | None = None, on_row: Callable[[Row], None] = ignored) -> dict[str, Any]:
+    """Measure: seconds (`_s`), megabytes (`_mb`), solver conflicts, and ratios of the reference's to our seconds.
+    `on_row` gets each row when it is there."""
+    chosen = chosen or options(SECTIONS, ABOUT)
     sizes = [(1, 1), (2, 1)] if chosen.quick else list(product((1, 2, 3), (3, 4, 5, 6)))
     sections = [section for section in SECTIONS if chosen.wants(section)]
     tasks = [(section, _task(section, *size, chosen.limit_s)) for size in sizes for section in sections]
-    figures = iter(measured(MODULE, tasks, chosen))
-    rows: list[dict[str, Any]] = [
-        {"workers": workers, "boxes": boxes, **{section: next(figures) for section in sections}}
-        for workers, boxes in sizes
-    ]
-    ratios = [_ratio(row) for row in rows if len(sections) == 2]
-    for row, ratio in zip(rows, ratios, strict=False):
-        row["ratio"], row["ratio_is_at_least"] = ratio, row["reference"]["status"] != "optimal"
-    return {"limit_s": chosen.limit_s, "teams": rows, **({"median_ratio": median(ratios)} if ratios else {})}
+    rows: list[Row] = []
+    found: list[dict[str, Any]] = []
+
+    def note(figures: dict[str, Any]) -> None:
+        found.append(figures)
+        if len(found) == len(sections):
+            rows.append(_row(*sizes[len(rows)], dict(zip(sections, found, strict=True))))
+            found.clear()
+            on_row(rows[-1])
+
+    result: dict[str, Any] = {"limit_s": chosen.limit_s, "teams": rows}
+    with telling(result):
+        measured(MODULE, tasks, chosen, note)
+    ratios = [row["ratio"] for row in rows if "ratio" in row]
+    return {**result, **({"median_ratio": median(ratios)} if ratios else {})}
+
+
+def _row(workers: int, boxes: int, figures: dict[str, Any]) -> Row:
+    row = {"workers": workers, "boxes": boxes, **figures}
+    if len(figures) == len(SECTIONS):
+        row |= {"ratio": _ratio(row), "ratio_is_at_least": row["reference"]["status"] != "optimal"}
+    return row
 
 
 def _task(section: str, workers: int, boxes: int, limit_s: float) -> dict[str, Any]:
@@ -70,12 +88,16 @@ def main() -> None:
     """Measure and print, or do one piece of the work."""
     if serve(WORK):
         return
-    result = run()
-    print("workers boxes  steps   planner (range)       conflicts  memory   reference     conflicts     ratio")
-    for row in result["teams"]:
-        print(f"{row['workers']:7}{row['boxes']:6}{_planner_words(row)}{_reference_words(row, result['limit_s'])}")
+    chosen = options(SECTIONS, ABOUT)
+    head = "workers boxes  steps   planner (range)       conflicts  memory   reference     conflicts     ratio"
+    print(head, flush=True)
+    result = run(chosen, lambda row: _print_row(row, chosen.limit_s))
     if "median_ratio" in result:
         print(f"median of the ratios: {result['median_ratio']:.1f}")
+
+
+def _print_row(row: Row, limit_s: float) -> None:
+    print(f"{row['workers']:7}{row['boxes']:6}{_planner_words(row)}{_reference_words(row, limit_s)}", flush=True)
 
 
 def _planner_words(row: dict[str, Any]) -> str:

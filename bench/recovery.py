@@ -24,6 +24,7 @@ from contextlib import contextmanager, suppress
 from statistics import median
 from typing import Any, NamedTuple
 
+from bench.measured import progress, telling
 from bus.clock import wall_s
 from ops.children import environment
 
@@ -51,10 +52,18 @@ class Outcome(NamedTuple):
 
 
 def run(kills: int = KILLS) -> dict[str, Any]:
-    """All kills, and the figures by victim in wall seconds."""
+    """All kills, and the figures by victim in wall seconds. Progress goes to stderr."""
     draw = random.Random(SEED)
-    outcomes = [_one(VICTIMS[n % len(VICTIMS)], CLOCKS[n // len(VICTIMS) % len(CLOCKS)], draw) for n in range(kills)]
-    return {victim: _figures([o for o in outcomes if o.victim == victim]) for victim in VICTIMS}
+    outcomes: list[Outcome] = []
+    result: dict[str, Any] = {}
+    with telling(result):
+        try:
+            for n in range(kills):
+                outcomes.append(_one(VICTIMS[n % len(VICTIMS)], CLOCKS[n // len(VICTIMS) % len(CLOCKS)], draw))
+                progress(f"{n + 1} of {kills}: {outcomes[-1].words}: exit code {outcomes[-1].code}")
+        finally:
+            result |= {victim: _figures([o for o in outcomes if o.victim == victim]) for victim in VICTIMS}
+    return result
 
 
 def _figures(outcomes: list[Outcome]) -> dict[str, Any]:
@@ -104,9 +113,14 @@ def _process(command: list[str]) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(command, env=environment(), **options) as process:
         limit = threading.Timer(LIMIT_S, process.terminate)
         limit.start()
-        yield process
-        process.wait()
-        limit.cancel()
+        try:
+            yield process
+        except BaseException:
+            process.terminate()  # in order: it ends its own
+            raise
+        finally:
+            process.wait()
+            limit.cancel()
 
 
 def main() -> None:
@@ -114,15 +128,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="muster bench recovery", description="Processes are killed, and come back.")
     parser.add_argument("kills", nargs="?", type=int, default=KILLS, help="how many processes are killed")
     kills = parser.parse_args().kills
+    try:
+        _print(run(kills))
+    except KeyboardInterrupt as stopped:
+        _print(stopped.args[0])
+        raise
+
+
+def _print(result: dict[str, Any]) -> None:
     print("victim        kills   hit   goal and invariants   detected: median, max   back at work: median, max")
-    for victim, row in run(kills).items():
+    for victim, row in result.items():
         detected, back = row["detected_s"], row["back_s"]
         print(
             f"{victim:12}{row['kills']:7}{row['hit']:6}{row['goal_and_invariants']:22}"
             f"{detected['median']:15.2f} s {detected['max']:5.2f} s{back['median']:17.2f} s {back['max']:5.2f} s"
         )
         for words in row["failed"]:
-            print(f"    failed: {words}")
+            print(f"    failed: {words}", flush=True)
 
 
 if __name__ == "__main__":

@@ -11,10 +11,12 @@ import json
 import os
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from bench.loopback import free_endpoint
+from bench.measured import ignored, progress, telling
 from bus.clock import run_world, wall_s
 from bus.messages import Envelope
 from bus.node import Node, NodeConfig, open_node
@@ -27,9 +29,16 @@ CALM_S = 2.0
 IDLE_S = 5.0
 
 
-def run(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
-    """Measure each size; seconds (`_s`), megabytes (`_mb`), per cent of one core (`_percent`)."""
-    return {str(size): _measure(size) for size in sizes}
+def run(sizes: tuple[int, ...] = SIZES, on_row: Callable[[int, dict[str, float]], None] = ignored) -> dict[str, Any]:
+    """Measure each size; seconds (`_s`), megabytes (`_mb`), per cent of one core (`_percent`). `on_row` gets each size
+    and its figures when they are there."""
+    result: dict[str, Any] = {}
+    with telling(result):
+        for size in sizes:
+            progress(f"{size} teams")
+            result[str(size)] = _measure(size)
+            on_row(size, result[str(size)])
+    return result
 
 
 class _Watch:
@@ -91,6 +100,8 @@ def _measure(size: int) -> dict[str, float]:
             run_world(
                 node, watch, participants=names, mode="realtime", return_s=60.0, lease_s=60.0, on_contact=watch.contact
             )
+        if "memory_mb_each" not in watch.figures:  # the world's clock takes a signal for a wish to end in order
+            raise KeyboardInterrupt
         return {
             "ready_s": watch.ready_after_s(start_wall_s),
             **watch.figures,
@@ -114,13 +125,15 @@ def _pss_mb(pid: int) -> float:
 
 def main() -> None:
     """Measure and print."""
-    print("teams   all ready   CPU till then, each   memory each   idle CPU each   router")
+    print("teams   all ready   CPU till then, each   memory each   idle CPU each   router", flush=True)
+    run(on_row=_print_row)
+
+
+def _print_row(size: int, figures: dict[str, float]) -> None:
     starting = (("ready_s", 10, "s"), ("start_cpu_s_each", 20, "s"))
     idling = (("memory_mb_each", 11, "MB"), ("idle_percent_each", 13, "%"), ("router_mb", 7, "MB"))
-    for size, figures in run().items():
-        print(
-            f"{size:>5}" + "".join(f"{figures[name]:{width}.2f} {unit}" for name, width, unit in (*starting, *idling))
-        )
+    cells = (f"{figures[name]:{width}.2f} {unit}" for name, width, unit in (*starting, *idling))
+    print(f"{size:>5}" + "".join(cells), flush=True)
 
 
 if __name__ == "__main__":

@@ -40,10 +40,15 @@ def execute(args: argparse.Namespace) -> int:
         print(module.__doc__)
         return 0
     sys.argv = [str(FOLDER / f"{args.name}.py"), *own]
-    if args.json or own != args.options:
-        print_json(module.run())
-    else:
+    if not args.json and own == args.options:
         module.main()
+        return 0
+    try:
+        print_json(module.run())
+    except KeyboardInterrupt as stopped:
+        for figures in stopped.args:  # what was measured till then
+            print_json(figures)
+        raise
     return 0
 
 
