@@ -21,7 +21,7 @@ LIMITS: dict[str, Any] = {
     "raw": False,
     "strict_map_key": True,
     "max_str_len": 64 << 10,
-    "max_bin_len": 64 << 10,
+    "max_bin_len": MAX_BYTES,  # an event of any size that passes may be asked for again
     "max_array_len": 8192,
     "max_map_len": 8192,
     "max_ext_len": 0,  # also refuses timestamps, which an ext_hook alone would let through

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
-from bus.codec import Refusal, decode
+from bus.codec import MAX_BYTES, Refusal, decode
 from bus.messages import Envelope
 from bus.transport import Receive
 
 Handler = Callable[[str, bytes], None]
-FULL = 50_000
-"""Messages waiting at most: a flood must not eat the memory."""
+FULL, FULL_BYTES = 50_000, 256 << 20
+"""Messages waiting at most, and their bytes: a flood must not eat the memory."""
 
 
 class Inbox:
@@ -23,46 +24,70 @@ class Inbox:
         """How many messages were refused since the start, by reason."""
         self._run = run
         self._queue: SimpleQueue[tuple[Handler, str, bytes]] = SimpleQueue()
+        self._waiting = 0
+        """Bytes in the queue."""
+        self._lock = threading.Lock()
+        """For the counters, which threads of the transport change, too."""
 
     def into(self, handler: Handler) -> Receive:
-        """A callback for the transport that only enqueues; `handler` gets the message later."""
-        queue = self._queue
+        """A callback for the transport that only enqueues; `handler` gets the message later. What is larger than any
+        message, or more than may wait, is refused."""
 
         def enqueue(key: str, payload: bytes) -> None:
-            if queue.qsize() < FULL:
-                queue.put((handler, key, payload))
+            size = len(payload)
+            if size > MAX_BYTES:
+                self.refuse("oversized")
+                return
+            with self._lock:
+                full = self._queue.qsize() >= FULL or self._waiting + size > FULL_BYTES
+                self._waiting += 0 if full else size
+            if full:
+                self.refuse("overflow")
             else:
-                self.refused["overflow"] += 1
+                self._queue.put((handler, key, payload))
 
         return enqueue
+
+    def refuse(self, reason: str) -> None:
+        """Count a message that is not taken; from any thread."""
+        with self._lock:
+            self.refused[reason] += 1
 
     def wake(self) -> None:
         """Make `pump` return; from any thread."""
         self._queue.put((_nothing, "", b""))
 
     def pump(self, timeout_s: float) -> bool:
-        """Handle all that has arrived; wait up to `timeout_s` wall seconds for the first. False: nothing came."""
+        """Handle all that has arrived; wait up to `timeout_s` wall seconds for the first. False: nothing came.
+
+        What arrives meanwhile waits for the next call: there may be no end to it.
+        """
         try:
-            handler, key, payload = self._queue.get(timeout_s > 0, timeout_s)
+            first = self._queue.get(timeout_s > 0, timeout_s)
         except Empty:
             return False
-        handler(key, payload)
-        while not self._queue.empty():
-            handler, key, payload = self._queue.get_nowait()
-            handler(key, payload)
+        others = self._queue.qsize()
+        self._handle(*first)
+        for _ in range(others):
+            self._handle(*self._queue.get_nowait())
         return True
 
-    def open(self, key: str, payload: bytes, *, source: str = "") -> Envelope | None:
+    def _handle(self, handler: Handler, key: str, payload: bytes) -> None:
+        with self._lock:
+            self._waiting -= len(payload)
+        handler(key, payload)
+
+    def open(self, payload: bytes, *, source: str = "") -> Envelope | None:
         """The envelope, or None if it is refused: not understood, of another run, or not from `source`."""
         envelope = decode(payload)
         if isinstance(envelope, Refusal):
-            self.refused[envelope.reason] += 1
+            self.refuse(envelope.reason)
             return None
         if envelope.run != self._run:
-            self.refused["wrong_run"] += 1
+            self.refuse("wrong_run")
             return None
         if source and envelope.src != source:
-            self.refused["forged"] += 1
+            self.refuse("forged")
             return None
         return envelope
 

@@ -15,7 +15,7 @@ from math import inf
 
 from bus import keys
 from bus.clock import wall_s
-from bus.codec import Refusal, decode, encode
+from bus.codec import encode
 from bus.messages import Body, Done, Envelope, Join, Tick
 from bus.options import Mode
 from bus.outbox import FAST_S
@@ -53,8 +53,8 @@ class Participant:
         """Simulated seconds: the last tick's, in ``realtime`` extrapolated from there."""
         if self._raw_tick:
             raw, self._raw_tick = self._raw_tick, b""
-            envelope = decode(raw)
-            if not isinstance(envelope, Refusal) and isinstance(envelope.body, Tick):
+            envelope = self._post.inbox.open(raw, source=keys.WORLD)
+            if envelope is not None and isinstance(envelope.body, Tick):
                 if envelope.inc != self._world:
                     self._world, self._latest_s = envelope.inc, 0.0
                 self._tick, self._tick_wall_s = envelope.body, wall_s()

@@ -81,7 +81,7 @@ class Post:
         """Have `handler` called with every envelope from `source`, or from whom the last part of the key names."""
 
         def check(key: str, payload: bytes) -> None:
-            envelope = self.inbox.open(key, payload, source=source or keys.last(key))
+            envelope = self.inbox.open(payload, source=source or keys.last(key))
             if envelope is not None:
                 handler(envelope)
 
@@ -89,7 +89,7 @@ class Post:
 
     # ------------------------------------------------------------ mail
     def _on_mail(self, key: str, payload: bytes) -> None:
-        envelope = self.inbox.open(key, payload, source=keys.last(key))
+        envelope = self.inbox.open(payload, source=keys.last(key))
         if envelope is None:
             return
         self._received += 1
@@ -173,7 +173,7 @@ class Post:
 
     def refuse(self, request: Envelope, reason: str) -> None:
         """Count it, answer it, forget it."""
-        self.inbox.refused[reason] += 1
+        self.inbox.refuse(reason)
         self._in_work.discard((request.src, request.id))
         self.answer(request, Ok())
 
@@ -238,10 +238,10 @@ class Post:
 
 
 def _fitting(packed: Iterable[bytes]) -> Iterable[bytes]:
-    """As many as fit into one message."""
+    """As many as fit into one message, and one at least."""
     size = 0
     for event in packed:
-        size += len(event) + 8
-        if size > MAX_BYTES // 2:
+        if size and size + len(event) > MAX_BYTES // 2:
             return
+        size += len(event) + 8
         yield event

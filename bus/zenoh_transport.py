@@ -54,7 +54,7 @@ def open_client(endpoint: str, identity: Path | None = None) -> zenoh.Session:
     try:
         return zenoh.open(_config("client", connect=[endpoint], settings=settings))
     except zenoh.ZError as error:
-        text = f"no router answers at {endpoint}: start one with python -m bus.router"
+        text = f"no router answers at {endpoint}: the run is over, or the address is wrong"
         if endpoint.startswith("tls"):
             text += "; or it does not take this identity" if identity else "; a secure one wants an --identity"
         raise TransportError(text) from error

@@ -56,7 +56,7 @@ def listen(node: Node, recorder: Recorder) -> None:
     def take(key: str, payload: bytes) -> None:
         # The key of the truth does not end in its source's name, which is the world's.
         source = keys.WORLD if key == keys.truth_frame(run) else keys.last(key)
-        envelope = inbox.open(key, payload, source=source)
+        envelope = inbox.open(payload, source=source)
         if envelope is not None:
             recorder.take(envelope)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+import msgspec
 
 from bus.messages.basics import Body, Count, Name, Seconds
 
@@ -19,9 +21,9 @@ class Tick(Body, frozen=True):
     mode: Literal["fast", "realtime"]
     round: Count
     now_s: Seconds
-    factor: float = 1.0
+    factor: Annotated[float, msgspec.Meta(gt=0)] = 1.0
     participants: tuple[Name, ...] = ()
-    mail: dict[str, dict[str, int]] = {}
+    mail: dict[str, dict[str, Count]] = {}
 
 
 class Done(Body, frozen=True):
@@ -29,5 +31,5 @@ class Done(Body, frozen=True):
     (negative: only by mail)."""
 
     round: Count
-    sent: dict[str, int] = {}
+    sent: dict[str, Count] = {}
     wake_at_s: float = -1.0

@@ -65,6 +65,21 @@ def test_a_frame_of_hundreds_of_bodies_passes() -> None:
     assert decode(encode(envelope(frame))) == envelope(frame)
 
 
+def test_recorded_events_of_any_size_that_passes_can_be_had_again() -> None:
+    large = encode(envelope(m.Event("membership", {"robots": ["x" * 60_000] * 8})))
+    assert len(large) > 64 << 10
+    body = m.EventsAre(1, 1, (large,))
+    assert decode(encode(envelope(body))) == envelope(body)
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+def test_time_neither_stands_still_nor_runs_backwards(factor: float) -> None:
+    """Who divides by it would die of it."""
+    wire = plain(m.Tick("realtime", 1, 0.0))
+    wire["body"]["factor"] = factor
+    assert reason(wire) == "invalid"
+
+
 def test_the_reasons() -> None:
     ping, execute = m.Ping(), m.Execute("T1", 1)
     deep: Any = 1

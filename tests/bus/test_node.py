@@ -22,6 +22,7 @@ from bus.messages import (
     Ok,
     Ping,
     Status,
+    Tick,
 )
 from bus.node import NoAnswer, Node
 from tests.bus import toys
@@ -202,6 +203,19 @@ def test_hostile_round_numbers_do_not_keep_mail_for_ever(memory_bus: Bus, thread
     answers.wait(lambda items: len(items) == 1)
 
 
+def test_only_the_world_tells_a_watcher_the_time(bus: Bus) -> None:
+    watcher, stranger = bus.node("watcher", outsider=True), bus.transport()
+    watcher.wake_soon()
+    next(watcher.turns())
+    for number, (source, run) in enumerate((("world", bus.run), ("mallory", bus.run), ("world", "another")), 1):
+        tick = Tick("fast", number, 10.0 * number)
+        stranger.put(keys.tick(bus.run), encode(envelope(tick, run=run, src=source)))
+        while watcher.now_s == 0.0 or watcher.post.inbox.refused.total() < number - 1:
+            watcher.post.wait(0.01)
+        assert watcher.now_s == 10.0
+    assert watcher.post.inbox.refused == {"forged": 1, "wrong_run": 1}
+
+
 def test_late_comers_see_the_latest_status(bus: Bus) -> None:
     node = bus.node("T1", outsider=True)
     node.status(Status("team", "planning"))
@@ -242,6 +256,21 @@ def test_events_can_be_had_again_also_those_of_a_former_life(bus: Bus, threads: 
     answer = recorder.ask("T1", EventsFrom(2, 1), timeout_s=5.0)
     assert isinstance(answer, EventsAre)
     assert (answer.last, len(answer.packed)) == (1, 1)
+
+
+def test_an_event_that_fills_half_a_message_does_not_block_those_after_it(bus: Bus, threads: Threads) -> None:
+    recorder, server = bus.node("recorder", outsider=True), bus.node("server", outsider=True)
+    for text in ("x" * 600, "short"):
+        server.emit("refused", text, reason="none", count=1, more=[text] * 1000)
+    threads.stops.append(server.stop)
+    threads.start(serve, server)
+    numbers = []
+    for first in (1, 2):
+        answer = recorder.ask("server", EventsFrom(server.incarnation, first), timeout_s=5.0)
+        assert isinstance(answer, EventsAre)
+        numbers += [event.seq for event in map(decode, answer.packed) if isinstance(event, Envelope)]
+    assert numbers[0] == 1
+    assert numbers[-1] == 2
 
 
 def test_a_reply_counts_only_from_who_was_asked(bus: Bus, server: Node) -> None:
