@@ -13,6 +13,7 @@ from pathlib import Path
 
 import msgspec
 
+from ops.places import missing
 from ops.tables import InputError, convert, place, read
 from reasoning.checker import is_term
 from reasoning.diagnoser import Expected, Result
@@ -58,7 +59,7 @@ def read_case(name: str) -> CaseFile:
     path = Path(name)
     if not path.is_file():
         if name not in known:
-            raise InputError(f"{name}: neither a file nor a shipped case. There are: {', '.join(known) or 'none'}")
+            raise InputError(f"{name}: {missing(name, 'case', known)}")
         path = known[name]
     table, text = read(path)
     file = convert(table, _File, path, text)

@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from bus.clock import wall_s
 from ops.commands import COMMANDS
-from ops.tables import InputError
+from ops.tables import InputError, dotted
 from reasoning.domain import DomainError
 
 INTERRUPTED = 130
@@ -39,7 +39,7 @@ def parser(wanted: str | None = None) -> argparse.ArgumentParser:
     top.add_argument("--version", action="store_true", help="print the version and exit")
     subparsers = top.add_subparsers(dest="command", metavar="COMMAND", title="commands")
     for name, text in COMMANDS.items():
-        sub = subparsers.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        sub = subparsers.add_parser(name, help=text, description=text[0].upper() + text[1:] + "." * (text[-1] != "?"))
         if name == wanted:
             module = importlib.import_module(f"ops.commands.{name}")
             sub.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -68,9 +68,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(importlib.import_module(f"ops.commands.{args.command}").execute(args))
     except (InputError, DomainError) as error:
+        said = str(error) + _set_by_hand(str(error), getattr(args, "overrides", []))
         if getattr(args, "json", False):
-            print(json.dumps({"error": str(error)}))
-        print(f"muster {args.command}: {error}", file=sys.stderr)
+            print(json.dumps({"error": said}))
+        print(f"muster {args.command}: {said}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -78,6 +79,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # somebody piped us into head: not an error, but Python must not try to flush
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+
+
+def _set_by_hand(error: str, overrides: Sequence[str]) -> str:
+    """The --set that an error is about, if any: then it is not the file that is wrong."""
+    about = [one for one in overrides if f" {dotted(one.partition('=')[0].strip().split('.'))}: " in error]
+    return f" (--set {about[-1]})" if about else ""
 
 
 def script() -> NoReturn:

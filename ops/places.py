@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 
 from ops.tables import InputError
@@ -27,9 +29,20 @@ def scenario_file(name: str) -> Path:
     domain, _, short = name.partition("/")
     if domain in domains() and short in load(domain).scenarios:  # whatever is wrong with another domain
         return load(domain).scenarios[short]
-    known = shipped()
-    near = [other for other in known if name.split("/")[-1] in other] or list(known)
-    raise InputError(f"{name}: neither a file nor a shipped scenario. There are: {', '.join(near)}")
+    raise InputError(f"{name}: {missing(name, 'scenario', shipped())}")
+
+
+def missing(name: str, what: str, known: Iterable[str]) -> str:
+    """What to say of a name that is no file and not among the `known` ones, which are `domain/name`."""
+    if Path(name).is_dir():
+        return f"a directory; expected a file, or a shipped {what} (muster list tells them all)"
+    whole = {other: other.split("/")[-1] for other in known}
+    stem = Path(name).stem
+    close = [short for short in whole.values() if stem in short] or get_close_matches(stem, whole.values())
+    like = [other for other, short in whole.items() if short in close]
+    there = [other for other in like if other.split("/")[0] == name.split("/")[0]]
+    meant = f"Did you mean {' or '.join(there or like)}? " if like else ""
+    return f"neither a file nor a shipped {what}. {meant}muster list tells them all"
 
 
 def runs() -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,9 @@ import msgspec
 
 from ops.places import runs
 from ops.tables import InputError
+
+LONGEST = 32
+"""Signs that the name of a run may have (`bus.keys.NAME`)."""
 
 
 class Running(msgspec.Struct, frozen=True):
@@ -69,19 +73,21 @@ def find(run: str | None = None, connect: str | None = None, identity: str | Non
         return Running(run or known[-1].run, connect, "", 0, "", identity or "")
     running = listing()
     chosen = [one for one in running if run in (None, one.run)]
-    names = ", ".join(one.run for one in running) or "none"
+    names = ", ".join(one.run for one in running)
     if not chosen:
-        raise InputError(
-            f"{f'no run {run!r}' if run else 'nothing'} is running here; there are: {names}. Elsewhere: --connect"
-        )
+        here = f"no run {run!r} is running here; there are: {names}" if names else "nothing is running here"
+        raise InputError(f"{here}. To reach a run on another machine: --connect tcp/HOST:PORT --run NAME")
     if len(chosen) > 1:
         raise InputError(f"several systems are running: {names}; say which with --run NAME")
     return chosen[0]
 
 
 def new_name(scenario: str) -> str:
-    """A name for a run that no other run on this machine has."""
-    return f"{scenario}-{os.getpid()}"
+    """A name for a run that no other run on this machine has; a file's name may be longer than what the bus takes as
+    a name, and have other signs in it."""
+    end = f"-{os.getpid()}"
+    plain = re.sub(r"[^A-Za-z0-9_.-]+", "_", scenario).lstrip("_.-") or "run"
+    return plain[: LONGEST - len(end)] + end
 
 
 def own_pid() -> int:

@@ -229,6 +229,8 @@ def _home(run: str, record: Path | None) -> Path:
         raise InputError(f"--record {record}: expected a directory, this is a file")
     if record.is_dir() and (parts_of(record) or list(record.glob("*.sqlite"))):
         raise InputError(f"--record {record}: there is a recording already; choose a new directory, or remove it")
+    if record.is_dir() and next(record.iterdir(), None) is not None:
+        raise InputError(f"--record {record}: there is something else in this directory; choose a new one")
     record.mkdir(parents=True, exist_ok=True)
     return record.resolve()
 

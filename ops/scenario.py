@@ -23,6 +23,7 @@ from ops.processes import RESERVED
 from ops.tables import InputError, Table, convert, override, place, read
 from reasoning.domain import domains
 from reasoning.domain import load as load_domain
+from reasoning.setup import sections
 
 _TRIGGERS = ("at_step", "at_s", "on_action")
 
@@ -139,6 +140,10 @@ def parse(table: Table, path: Path, text: str = "") -> Scenario:
             raise InputError(place(path, text, ["teams", team]) + f"expected another name; {taken}")
     if file.domain not in domains():
         raise InputError(place(path, text, ["domain"]) + f"expected one of {', '.join(domains())}, not {file.domain!r}")
+    for key in whole:
+        if key not in (tables := sections(file.domain)):
+            known = ", ".join(sorted({*_File.__struct_fields__, "fault", *tables}))
+            raise InputError(place(path, text, [key]) + f"expected one of the keys {known}, found {key!r}")
     if not isinstance(faults, list):
         raise InputError(place(path, text, ["fault"]) + "expected a list of tables: write [[fault]]")
     processes = ("world", "coordinator", *file.teams)

@@ -17,7 +17,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     names = ", ".join(_names()) or "none here"
     parser.add_argument("name", metavar="NAME", help=f"which benchmark: {names}")
     json_option(parser)
-    parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the benchmark; NAME --help tells them")
+    rest = parser.add_argument(
+        "options", nargs=argparse.REMAINDER, help="options of the benchmark; NAME --help tells them"
+    )
+    rest.required = False  # else a missing NAME is told as if both were missing
 
 
 def execute(args: argparse.Namespace) -> int:

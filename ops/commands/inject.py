@@ -24,7 +24,7 @@ EPILOG = "kinds:\n" + "\n".join(f"  {usage(kind, known):<44} {known.help}" for k
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", metavar="KIND", help="what happens; see below")
     parser.add_argument("target", metavar="TARGET", help="T4.c1 (robot), T1.2 (object), T1 (team, process, link)")
-    parser.add_argument("args", metavar="NAME=VALUE", nargs="*", help="the kind's arguments")
+    parser.add_argument("args", metavar="NAME=VALUE", nargs="*", default=[], help="the kind's arguments")
     running_options(parser)
     json_option(parser)
 

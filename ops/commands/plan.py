@@ -62,7 +62,10 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _seconds(text: str) -> float:
-    seconds = float(text)
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
     if not 0.0 <= seconds < float("inf"):
         raise argparse.ArgumentTypeError(f"expected seconds, 0 or more, not {text}")
     return seconds

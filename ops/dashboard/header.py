@@ -47,7 +47,7 @@ def search(model: Model) -> Text:
     parts: list[tuple[str, str]] = [(" coordinator ", "dim"), (clean(status.doing) or "idle", "bold")]
     least = max(status.bound, 0)
     start = max((s.start for s in model.statuses.values() if s.plan), default=0)
-    since = f" from step {start} on" if start else ""
+    since = f" from step {start}" if start else ""
     if 0 <= status.best <= least:
         parts.append((f" · {count(status.best, 'step')}{since}, proved shortest", "green"))
     elif status.best >= 0:

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from bus.keys import NAME
 from ops.children import environment
 from ops.cli import main
 from ops.commands import COMMANDS
-from ops.registry import Running, find, listing, registered
+from ops.registry import Running, find, listing, new_name, registered
 from ops.tables import InputError
 
 
@@ -123,6 +124,9 @@ def test_compile_writes_the_files(capsys: pytest.CaptureFixture[str], tmp_path: 
         (["run", "factory/one_worker", "--host", "192.0.2.1"], "expected an address of this machine"),
         (["run", "factory/one_worker", "--plan", "/no/such/plan.json"], "/no/such/plan.json: cannot be read"),
         (["run", "factory/one_worker", "--record", "/dev/null"], "expected a directory, this is a file"),
+        (["run", "factory/one_worker", "--record", str(Path(__file__).parent)], "there is something else in this"),
+        (["plan", "factory/one_worker", "--set", "teams.T1.boxes=x"], "found 'x' (--set teams.T1.boxes=x)"),
+        (["plan", "factory/one_worker", "--set", "seed=2", "--set", "teams.T1.boxs=1"], "(--set teams.T1.boxs=1)"),
         (["inject", "brake", "T1.w1"], "unknown kind 'brake'. Supported: break ROBOT; move BODY"),
         (["inject", "pause", "T1"], "pause needs it"),
         (["inject", "drop", "T1", "share=2"], "share: expected a number from 0 to 1"),
@@ -145,6 +149,27 @@ def test_wrong_input_is_said_and_exits_with_two(
     assert code == 2
     assert expected in err
     assert out == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["inject", "break"], "arguments are required: TARGET\n"),
+        (["bench"], "arguments are required: NAME\n"),
+        (["plan", "factory/one_worker", "--budget", "soon"], "expected seconds, 0 or more, not soon"),
+    ],
+)
+def test_what_is_missing_or_no_number_is_told(
+    capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert expected in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scenario", ["one_worker", "mine one", "größer", "a" * 60, "-", ".hidden", "日本"])
+def test_a_run_gets_a_name_that_the_bus_takes_whatever_the_file_is_called(scenario: str) -> None:
+    assert NAME.fullmatch(new_name(scenario))
 
 
 def test_a_port_in_use_is_said_with_the_way_out(capsys: pytest.CaptureFixture[str]) -> None:

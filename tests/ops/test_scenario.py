@@ -217,9 +217,37 @@ def test_wrong_overrides_are_refused(tmp_path: Path, assignment: str, expected: 
         override(table, assignment)
 
 
-def test_a_scenario_that_does_not_exist_names_those_that_do() -> None:
-    with pytest.raises(InputError, match=r"neither a file nor a shipped scenario\. There are: .*factory/one_worker"):
-        load("factory/nothing")
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("factory/nothing", r"neither a file nor a shipped scenario\. muster list tells them all$"),
+        ("factory/one_workr", r"Did you mean factory/broken_worker or factory/one_worker\? muster list"),
+        ("nowhere/four_teams.toml", r"Did you mean factory/four_teams\? muster list"),
+        ("broken_carr", r"Did you mean factory/broken_carrier\? muster list"),
+        (str(Path(__file__).parent), r": a directory; expected a file, or a shipped scenario"),
+    ],
+)
+def test_a_scenario_that_does_not_exist_is_told_with_those_of_like_names(name: str, expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        load(name)
+
+
+def test_a_mark_before_the_first_line_is_no_part_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "marked.toml"
+    file.write_text(GOOD, encoding="utf-8-sig")
+    assert load(str(file)).story
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "noise.toml"
+    file.write_bytes(b"\xd1\xff")
+    with pytest.raises(InputError, match="not a text in UTF-8"):
+        load(str(file))
+
+
+def test_an_unknown_table_is_told_with_all_that_could_stand_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"sead: expected one of the keys clock, .*floor, .*seed, .*found 'sead'"):
+        load(str(written(tmp_path, GOOD)), ["sead=3"])
 
 
 def test_lines_of_keys() -> None:
