@@ -30,16 +30,23 @@ SAVED = "world"
 IDLE_FRAME_S = 1.0
 
 
-class Saved(msgspec.Struct):
-    """The world as it was last. `orders` are changes that the coordinator has not confirmed yet."""
+class Bodies(msgspec.Struct):
+    """The world as it was between two steps, or in the middle of steps that are saved as far as they have come."""
 
     tick: int
     step: int
     things: list[Thing]
-    faults: SavedFaults
-    orders: list[Order]
     fluents: dict[str, dict[str, Value]]
     windows: SavedWindows
+
+
+class Saved(msgspec.Struct):
+    """The world as it was last: `bodies` are packed `Bodies`; `orders` are changes that the coordinator has not
+    confirmed yet."""
+
+    bodies: msgspec.Raw
+    faults: SavedFaults
+    orders: list[Order]
 
 
 class Windows(Protocol):
@@ -53,7 +60,7 @@ class Windows(Protocol):
 
     @property
     def between(self) -> bool:
-        """Physical disturbances may happen now."""
+        """Physical disturbances may happen now, and bodies be saved as they are."""
 
     @property
     def moving(self) -> bool:
@@ -100,10 +107,11 @@ class World:
             self.truth.begin()
         else:
             state = msgspec.msgpack.decode(packed, type=Saved)
-            saved, untold, under_way = state.faults, state.orders, state.windows
-            self.truth.tick, self.truth.step = state.tick, state.step
-            self.truth.fluents.update(state.fluents)
-            self.truth.restore(state.things)
+            bodies = msgspec.msgpack.decode(state.bodies, type=Bodies)
+            saved, untold, under_way = state.faults, state.orders, bodies.windows
+            self.truth.tick, self.truth.step = bodies.tick, bodies.step
+            self.truth.fluents.update(bodies.fluents)
+            self.truth.restore(bodies.things)
         self.faults = Faults(node, self.truth, saved, self.participants)
         self.disturbances = Disturbances(node, self.truth, self.faults, self._save)
         self.herald = Herald(node, COORDINATOR)
@@ -111,6 +119,7 @@ class World:
         self._waiting: list[Envelope] = []
         self._frame_ticks = max(round(1 / (scene.frame_hz * scene.dt_s)), 1)
         self._frames, self._frame_tick = Frames(self.truth), -1
+        self._bodies = msgspec.Raw()
         text = "the world is back with its last complete step" if self.recovered else "the world is up"
         node.emit(
             "started", text, incarnation=node.incarnation, role="world", recovered=self.recovered, step=self.truth.step
@@ -219,9 +228,13 @@ class World:
 
     # ------------------------------------------------------------ what is kept and shown
     def _save(self) -> None:
+        """In the middle of a step that is not saved itself, bodies stay saved as they were before it: it will be
+        carried out anew, and must not begin where it was half over."""
         truth = self.truth
-        faults, untold = self.faults.saved, self.disturbances.untold
-        saved = Saved(truth.tick, truth.step, truth.save(), faults, untold, truth.fluents, self.windows.saved())
+        if self.windows.between:
+            bodies = Bodies(truth.tick, truth.step, truth.save(), truth.fluents, self.windows.saved())
+            self._bodies = msgspec.Raw(msgspec.msgpack.encode(bodies))
+        saved = Saved(self._bodies, self.faults.saved, self.disturbances.untold)
         self.node.journal.put(SAVED, msgspec.msgpack.encode(saved))
 
     def _show_frame(self, *, still: bool = False) -> None:

@@ -79,6 +79,28 @@ def test_a_step_under_way_never_was_and_is_executed_again(tmp_path: Path) -> Non
     assert stage.state()["at(h1)"] == "(1,2)"
 
 
+@pytest.mark.parametrize("killed_s", [0.3, 1.3])
+@pytest.mark.parametrize(("kind", "args"), [("drop", {"share": 0.0}), ("kill", {}), ("pause", {"for_s": 0.1})])
+def test_a_disturbance_in_the_middle_of_a_step_does_not_have_it_carried_out_from_there(
+    tmp_path: Path, killed_s: float, kind: str, args: dict[str, float]
+) -> None:
+    """What becomes of processes and links is journalled at any time; the robot would go two cells."""
+    stage = first(tmp_path)
+    stage.step(0, **STORY[0])
+    before = snapshot(stage)
+    command = stage.mail("A", Execute("A", 1, (call("pull(t1)"), call("shift"))), "A.step.1")
+    stage.deliver(command)
+    stage.advance(killed_s)
+    assert stage.inject(kind, "B", **args).accepted
+    stage.advance(0.2)
+    stage = stage.again()
+    assert snapshot(stage) == before
+    stage.deliver(command)
+    stage.advance(PERIOD_S)
+    state = stage.state()
+    assert (state["at(h1)"], state["line(1)"]) == ("(1,2)", 2)
+
+
 def test_who_was_answered_before_the_death_is_answered_again_and_not_executed_again(tmp_path: Path) -> None:
     stage = first(tmp_path)
     command = stage.mail("A", Execute("A", 0, (call("shift"),)), "A.step.0")
