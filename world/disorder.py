@@ -13,7 +13,7 @@ from bus.messages import Value
 from world import lookout, plane
 from world.physics import Point
 from world.things import GONE, Thing
-from world.truth import Truth
+from world.truth import MOST_BODIES, Truth
 
 WORD = r"[a-z]\w{0,30}"
 Args = Mapping[str, Value | float]
@@ -42,6 +42,8 @@ def bring(truth: Truth, target: str, args: Args) -> str:
         return f"{args['what']} is no kind of things: a small letter, then letters, digits or _"
     if target in truth.things or truth.find(team, name) is not None:
         return f"there is a {name} already"
+    if len(truth.things) >= MOST_BODIES:
+        return f"there is no room for more than {MOST_BODIES} bodies"
     at = _place(truth, team, args)
     if at is None:
         return f"{target} can be put on a cell of its room: x, y"

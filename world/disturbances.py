@@ -65,11 +65,17 @@ class Disturbances:
             self._save()
 
     def asked_for(self, message: Envelope, body: Inject) -> None:
-        """Carry out a disturbance that somebody asked for, and say what came of it."""
+        """Carry out a disturbance that somebody asked for, and say what came of it. One of a process or a link is
+        passed on once, even if this process dies of it before it has answered."""
+        if message.id == self._faults.saved.asked:
+            self._node.reply(message, Injected(True))
+            return
         with self._node.journal.transaction():
             reason = self._happen(body.kind, body.target, body.args)
             if reason or physical(body.kind):
                 self._node.reply(message, Injected(not reason, reason))
+            else:
+                self._faults.saved.asked = message.id
             self._save()
         if not reason and not physical(body.kind):
             reason = self._faults.pass_on(body.kind, body.target, body.args)

@@ -22,16 +22,20 @@ from world.truth import Truth
 SUPERVISOR, EVERYBODY = "supervisor", "*"
 ANSWER_S = 30.0
 """Wall seconds in which the supervisor has to do what it is asked."""
+LARGEST = 1_000_000
+"""No number of a disturbance is larger: the world counts ticks by them, and teams plan with them."""
 
 
 class SavedFaults(Struct):
     """What must survive this process: faults that were done (by their number in the scene), who is to be
-    resumed at which tick, which links are bad, and which teams were stopped for good."""
+    resumed at which tick, which links are bad, and which teams were stopped for good; and the id of the latest request
+    for a disturbance of a process or a link."""
 
     done: list[int] = []
     resumes: list[tuple[int, str]] = []
     links: list[tuple[str, Impair]] = []
     stopped: list[str] = []
+    asked: str = ""
 
 
 class Faults:
@@ -91,6 +95,8 @@ class Faults:
             if name not in (*known.required, *known.optional):
                 taken = ", ".join((*known.required, *known.optional)) or "nothing"
                 return f"{kind} does not take {name}; it takes {taken}"
+            if isinstance(value, int | float) and not abs(value) <= LARGEST:
+                return f"{name} must be a number of at most {LARGEST:,}"
             if name == "share" and not (isinstance(value, int | float) and 0 <= value <= 1):
                 return "share must be a number from 0 to 1"
             if name == "for_s" and not (isinstance(value, int | float) and value > 0):
@@ -99,6 +105,8 @@ class Faults:
             return f"there is no team {target!r}. There are: {', '.join(self._truth.layout.spaces)}"
         if kind == "stop" and self._truth.scene.conducted:
             return "only a team that acts for itself can be stopped for good: here all others would wait for it"
+        if kind == "pause" and target == self._node.name:
+            return "the world cannot be paused: nobody would wake it, since its time would stand still"
         processes = (self._node.name, *self._participants)
         ends = ends_of(target) if known.on == "link" else (target,)
         for end in ends if known.on in ("link", "process") else ():

@@ -12,6 +12,8 @@ from world.ways import read
 
 START_M = 0.05
 """A way begins so near to where the robot stands."""
+MOST_UNITS = 1000
+"""No way takes longer."""
 
 
 def begin_follow(truth: Truth, task: Task) -> str:
@@ -19,7 +21,7 @@ def begin_follow(truth: Truth, task: Task) -> str:
         return reason
     assert task.robot is not None
     units = task.call.detail.get("units")
-    if not isinstance(units, int) or units < 1:
+    if not isinstance(units, int) or not 1 <= units <= MOST_UNITS:
         return "it is not said how many units the way takes"
     task.units = units
     ox, oy = truth.layout.origin(task.team)

@@ -11,7 +11,7 @@ from bus.messages import Order, Value
 from world import disorder
 from world.handling import fits
 from world.things import BENCH, GONE, Thing
-from world.truth import Truth
+from world.truth import MOST_BODIES, Truth
 
 Args = Mapping[str, Value | float]
 Outcome = str | Order
@@ -96,6 +96,8 @@ def order(truth: Truth, target: str, args: Args) -> Outcome:
     space = truth.layout.spaces.get(target)
     if space is None or not isinstance(number, int) or number < 1:
         return f"a team gets at least one more object: {target}, {number}"
+    if number > (left := MOST_BODIES - len(truth.things)):
+        return f"there is room for {max(left, 0)} more bodies, not for {number}"
     sample = _sample(truth, target)
     if sample is None:
         return "there is nothing on any line here"

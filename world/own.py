@@ -24,11 +24,12 @@ NOTICES = 15
 
 
 class Done(msgspec.Struct):
-    """How far a call has come; `trip` is the number of its drive, or -1."""
+    """How far a call has come; `trip` is the number of its drive, or -1; `again` as of a `world.tasks.Task`."""
 
     failed: str
     felt: Felt | None
     trip: int
+    again: bool
 
 
 class Saved(msgspec.Struct):
@@ -118,7 +119,9 @@ class Own:
         """For the journal."""
         trips, windows = self._driver.trips, []
         for team, window in self._windows.items():
-            calls = [Done(t.failed, t.felt, -1 if t.trip is None else trips.index(t.trip)) for t in window.of[team]]
+            calls = [
+                Done(t.failed, t.felt, -1 if t.trip is None else trips.index(t.trip), t.again) for t in window.of[team]
+            ]
             windows.append(Saved(window.commands[team], window.opened, calls))
         return SavedWindows(windows, trips)
 
@@ -136,7 +139,7 @@ class Own:
         """What takes a period begins again, drives go on."""
         window = self._prepared(saved.command, saved.begun)
         for task, done in zip(window.tasks, saved.calls, strict=True):
-            task.failed, task.felt = done.failed, done.felt
+            task.failed, task.felt, task.again = done.failed, done.felt, done.again
             task.trip = None if done.trip < 0 else self._driver.trips[done.trip]
         self._try(window.tasks)
         self._tell_begun(saved.command.src, window)
@@ -150,7 +153,7 @@ class Own:
     def _try(self, tasks: list[Task]) -> None:
         """What is possible of what has not been tried yet?"""
         for task in sorted(tasks, key=lambda task: SKILLS[task.action.skill].rank):
-            if task.trip is not None:
+            if task.trip is not None or task.again:
                 own = self._truth.find(task.team, str(task.arg("robot")))
                 task.robot = own or self._truth.things.get(str(task.call.detail.get("robot")))
             elif not task.failed:

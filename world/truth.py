@@ -13,6 +13,9 @@ from world.layout import Layout
 from world.physics import Floor, Point
 from world.things import BENCH, GONE, HEAVY_MPS2, MOVING, RAMP, Thing, heading, term
 
+MOST_BODIES = 2000
+"""What teams are shown of more would be too large for a message."""
+
 
 class Truth:
     """All things of a scene, on their floor. `tick` is now, `step` the highest step executed so far, `fluents` what

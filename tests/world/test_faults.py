@@ -130,6 +130,13 @@ def test_a_person_changes_an_object() -> None:
         ("drop", "A->Z", {"share": 0.1}, "there is no process 'Z'. There are: world, coordinator, A, B"),
         ("drop", "A", {"share": 1.5}, "share must be a number from 0 to 1"),
         ("delay", "A", {"share": 0.5}, "delay needs for_s"),
+        ("pause", "A", {"for_s": 1e308}, "for_s must be a number of at most 1,000,000"),
+        ("pause", "A", {"for_s": 10**18}, "for_s must be a number of at most 1,000,000"),
+        ("move", "A.1", {"to": 10**9}, "to must be a number of at most 1,000,000"),
+        ("set", "A.1", {"attribute": "state", "value": 2**40}, "value must be a number of at most 1,000,000"),
+        ("set", "A.1", {"attribute": "state", "value": -(2**40)}, "value must be a number of at most 1,000,000"),
+        ("order", "A", {"add": 999_999}, "there is room for"),
+        ("pause", "world", {"for_s": 1.0}, "the world cannot be paused: nobody would wake it"),
     ],
 )
 def test_what_cannot_be_is_refused_with_a_reason(kind: str, target: str, args: dict[str, Any], reason: str) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from bus.messages import Execute, Executed, Observe, Observed, Ok, Order, ProcessFault
+from bus.messages import Execute, Executed, Inject, Injected, Observe, Observed, Ok, Order, ProcessFault
 from bus.scene import Fault
 from tests.world.stage import PERIOD_S, Stage, call, hand, piece, scene, tug
 
@@ -139,6 +139,28 @@ def test_the_fault_that_kills_the_world_does_not_kill_it_again(tmp_path: Path) -
     assert (state["line(1)"], state["line(3)"]) == (2, 5)
     assert stage.asked == []
     assert stage.events("fault_injected") == []
+
+
+@pytest.mark.parametrize(("kind", "target"), [("kill", "world"), ("restart", "world"), ("kill", "A")])
+def test_who_asks_again_after_the_world_died_of_it_does_not_kill_it_again(
+    tmp_path: Path, kind: str, target: str
+) -> None:
+    stage = first(tmp_path)
+    asked = stage.mail("operator", Inject(kind, target), "operator.1.1")
+
+    def die(to: str, body: Any, timeout_s: float) -> Any:
+        raise RuntimeError("killed")
+
+    stage.node.ask = die  # type: ignore[method-assign]
+    with pytest.raises(RuntimeError, match="killed"):
+        stage.deliver(asked)
+    stage = stage.again()
+    stage.deliver(asked)
+    stage.deliver(asked)
+    assert stage.asked == []
+    assert stage.bodies(Injected, "operator") == [Injected(True)] * 2
+    assert stage.inject(kind, target).accepted
+    assert stage.asked == [ProcessFault(kind, target)]  # type: ignore[arg-type]
 
 
 def test_who_is_paused_is_resumed_by_the_next_life(tmp_path: Path) -> None:

@@ -82,13 +82,15 @@ def test_a_way_begins_where_the_robot_stands_and_takes_whole_units() -> None:
     stage = House(house(cart("A", "r1", 2, 2)))
     assert stage.act("A", go("r1", (3.5, 2.5), (4.5, 2.5), units=1)).felt == {"r1": "blocked"}
     stage.act("A", go("r1", (2.5, 2.5), (4.5, 2.5), units=0))
+    stage.act("A", go("r1", (2.5, 2.5), (4.5, 2.5), units=2**62))
     stage.act("A", go("r9", (2.5, 2.5), (4.5, 2.5), units=1))
     assert stage.reasons() == [
         "the way does not begin where r1 stands",
         "it is not said how many units the way takes",
+        "it is not said how many units the way takes",
         "there is no robot r9",
     ]
-    assert stage.now_s == pytest.approx(3 * UNIT_S)
+    assert stage.now_s == pytest.approx(4 * UNIT_S)
 
 
 # ---------------------------------------------------------------- what is in the way

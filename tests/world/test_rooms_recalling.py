@@ -72,6 +72,18 @@ def test_a_step_of_the_other_team_is_finished_first() -> None:
     come_home(stage)
 
 
+def test_that_it_only_waits_is_known_after_the_world_died(tmp_path: Path) -> None:
+    stage = visit(home=tmp_path)
+    driving, called = stage.command("B", go("r1", (3.5, 0.5), (3.5, 6.5), units=4)), stage.command("A", CALL)
+    stage.deliver(driving)
+    stage.deliver(called)
+    assert stage.inject("drop", "A", share=0.0).accepted, "this is journalled, and with it all steps under way"
+    stage = stage.again()
+    stage.ended(called)
+    assert stage.reasons() == []
+    assert stage.waits() == ["A.r1 waits until go(r1,3,6) of B is over"]
+
+
 def test_what_it_holds_is_left_where_nothing_else_lies() -> None:
     stage = visit(pot("B", "cup", 3, 0), pot("B", "jug", 3, 3))
     stage.act("B", do("take", "r1", what="grip(cup,1)"))
