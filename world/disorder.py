@@ -12,10 +12,9 @@ from re import fullmatch
 from bus.messages import Value
 from world import lookout, plane
 from world.physics import Point
-from world.things import GONE, Thing
+from world.things import GONE, WORD, Thing
 from world.truth import MOST_BODIES, Truth
 
-WORD = r"[a-z]\w{0,30}"
 Args = Mapping[str, Value | float]
 
 

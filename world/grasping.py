@@ -6,7 +6,7 @@ from math import dist
 
 from world import lookout, plane
 from world.physics import Point
-from world.tasks import Task, able
+from world.tasks import Task, able, ill_named
 from world.things import BENCH, Given, Thing
 from world.truth import Truth
 
@@ -117,8 +117,8 @@ def begin_enter(truth: Truth, task: Task) -> str:
     robot = truth.things.get(wanted)
     if robot is None or robot.place != BENCH or robot.given is None:
         return f"{wanted} is not on its way"
-    if truth.find(task.team, name) is not None:
-        return f"there is a {name} already"
+    if reason := ill_named(truth, task.team, name):
+        return reason
     if other := task.board.busy.get(robot.id):
         return f"{wanted} comes already, by {other.text}"
     task.robot = robot

@@ -12,7 +12,7 @@ from math import dist
 
 from world.handling import fits, holds
 from world.motion import Motion, route
-from world.tasks import Cell, Task, able
+from world.tasks import Cell, Task, able, ill_named
 from world.things import BENCH, MOVING, Given, Thing
 from world.truth import Truth
 
@@ -158,8 +158,8 @@ def begin_arrive(truth: Truth, task: Task) -> str:
     layout = truth.layout
     if x is None or y is None or x != layout.spaces[task.team].dock_column or not layout.in_grid(task.team, x, y):
         return f"({x},{y}) is not in the dock"
-    if truth.find(task.team, name) is not None:
-        return f"there is a {name} already"
+    if reason := ill_named(truth, task.team, name):
+        return reason
     if other := task.board.busy.get(robot.id) or task.board.coming.get((task.team, name)):
         return f"{wanted} cannot come: {other.text} of {other.team} came first"
     for attribute, value in task.call.detail.items():

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from re import fullmatch
 from typing import Literal
 
 from bus.messages import SkillCall, Value
 from bus.scene import Action
 from world.driving import Trip
 from world.physics import Point
-from world.things import Thing
+from world.things import WORD, Thing
 from world.truth import Truth
 
 Cell = tuple[int, int]
@@ -103,3 +104,10 @@ def able(truth: Truth, task: Task) -> str:
     """Its robot is there, free and in working order."""
     reason = present(truth, task)
     return reason or (f"{task.robot.name} is broken" if task.robot is not None and task.robot.broken else "")
+
+
+def ill_named(truth: Truth, team: str, name: str) -> str:
+    """Why a robot cannot come to a team under this name, or empty."""
+    if not fullmatch(WORD, name):
+        return f"a robot cannot be called {name[:64]}"
+    return f"there is a {name} already" if truth.find(team, name) is not None else ""

@@ -20,6 +20,8 @@ HEAVY_MPS2 = 9.0
 """A heavy thing's friction for each kilogramme."""
 RAMP = 0.095
 """The share of a period in which it comes to speed, and to rest again."""
+WORD = r"[a-z][A-Za-z0-9_]{0,30}"
+"""What bodies may be called, and kinds of things: a small letter, then letters, digits or _."""
 
 
 def term(cell: Value) -> tuple[int, int]:

@@ -186,12 +186,14 @@ def test_who_may_not_leave_or_come() -> None:
     stage.act("B", do("out", "r1", "room_c"))
     stage.act("B", do("in", "r1", robot="A.r1"))
     stage.act("B", do("in", "r9", robot="B.r1"))
+    stage.act("B", do("in", "at(r9),", robot="A.r1"))
     assert stage.reasons() == [
         "r1 holds something",
         "no door leads to room_c",
         "no door leads to room_c",
         "there is a r1 already",
         "B.r1 is not on its way",
+        "a robot cannot be called at(r9),",
     ]
 
 
@@ -228,6 +230,7 @@ def test_people_bring_take_and_move_what_is_in_a_room() -> None:
     [
         ("bring", "A.ball", {"what": "ball", "x": 8, "y": 0}, "on a cell of its room"),
         ("bring", "A.cup", {"what": "ball", "x": 1, "y": 0}, "there is a cup already"),
+        ("bring", "A.ball", {"what": "café", "x": 1, "y": 0}, "café is no kind of things"),
         ("bring", "A.ball", {"what": "ball", "x": 2, "y": 2}, "cup is there"),
         ("bring", "A.ball", {"what": "ball", "x": 4, "y": 4}, "bed stands there"),
         ("bring", "A.ball", {"what": "A Ball", "x": 1, "y": 1}, "is no kind of things"),
