@@ -18,6 +18,7 @@ import msgspec
 from bus.scene import Action, Entity, Fault, Kind, Scene, Transport, Workspace
 from ops import rooms, shares
 from ops.faultwords import Names, problem
+from ops.places import made
 from ops.plans import GivenPlan
 from ops.scenario import Scenario
 from ops.tables import InputError
@@ -38,8 +39,8 @@ class Compiled:
         return self.scenario.teams
 
     def write(self, folder: Path) -> None:
-        """Write NAME.json for each process that needs one."""
-        folder.mkdir(parents=True, exist_ok=True)
+        """Write NAME.json for each process that needs one. Raises `InputError` if the folder cannot be written into."""
+        made(folder)
         for name, content in self.files.items():
             (folder / f"{name}.json").write_bytes(msgspec.json.format(msgspec.json.encode(content), indent=1) + b"\n")
 

@@ -23,6 +23,7 @@ from ops.places import runs, shipped
 from ops.ports import HOST, free_port
 from ops.processes import ROUTER
 from ops.supervisor import GaveUpError, Supervisor, TooLongError
+from ops.tables import InputError
 
 # What is imported to see whether it works; nothing for those that are only looked up, since importing them is dear.
 PACKAGES = {
@@ -117,15 +118,22 @@ def _clock() -> Finding:
 
 
 def _directory() -> Finding:
-    folder = runs()
+    try:
+        folder = runs()
+    except InputError as error:
+        found, _, advice = str(error).partition("; ")
+        return Finding("directory", False, found, advice)
     free_mb = shutil.disk_usage(folder).free // 1_000_000
-    ok = os.access(folder, os.W_OK) and free_mb >= ROOM_MB
-    advice = "" if ok else "set XDG_RUNTIME_DIR or TMPDIR to a directory with room that you may write to"
+    ok = free_mb >= ROOM_MB
+    advice = "" if ok else "set XDG_RUNTIME_DIR or TMPDIR to a directory with room"
     return Finding("directory", ok, f"{folder}, {free_mb} MB free", advice)
 
 
 def _port() -> Finding:
-    running = ", ".join(f"{one.run} at {one.connect}" for one in registry.listing()) or "no system is running"
+    try:
+        running = ", ".join(f"{one.run} at {one.connect}" for one in registry.listing()) or "no system is running"
+    except InputError:
+        running = "which systems are running cannot be told"
     try:
         free_port(OUR_DEFAULT_PORT)
     except Exception:

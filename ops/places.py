@@ -46,8 +46,24 @@ def missing(name: str, what: str, known: Iterable[str]) -> str:
 
 
 def runs() -> Path:
-    """The user's own directory of runs: a file for each running system, and homes of runs without a --record."""
+    """The user's own directory of runs: a file for each running system, and homes of runs without a --record.
+
+    Raises `InputError` if there can be none.
+    """
     base = os.environ.get("XDG_RUNTIME_DIR") or os.path.join(tempfile.gettempdir(), f"muster-{os.getuid()}")
-    folder = Path(base) / "muster"
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    try:
+        return made(Path(base) / "muster", mode=0o700)
+    except InputError as error:
+        raise InputError(f"{error}; set XDG_RUNTIME_DIR to a directory of your own, or unset it") from error
+
+
+def made(folder: Path, mode: int = 0o777) -> Path:
+    """The directory, made if it was not there. Raises `InputError` if that is impossible, or nothing can be written
+    into it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=mode)
+    except OSError as error:
+        raise InputError(f"{folder}: this directory cannot be made: {error.strerror}") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: nothing can be written into this directory")
     return folder

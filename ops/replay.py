@@ -13,7 +13,7 @@ from ops.dashboard.model import Model, update
 from ops.dashboard.screen import Picture, show
 from ops.recording import Recording, load
 
-KEYS = "space pause  ←→ step  ↑↓ speed  tab team  q quit"
+KEYS = "space pause ←→ step ↑↓ speed tab team q quit"
 
 
 class Player:

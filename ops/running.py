@@ -21,6 +21,7 @@ from bus.transport import Transport
 from ops import registry
 from ops.compile import Compiled, compile_scenario
 from ops.identities import issue
+from ops.places import made
 from ops.plans import read_plan
 from ops.ports import HOST, free_port
 from ops.processes import NURSERY, RECORDER, ROUTER, SUPERVISOR, Layout, commands, nursery
@@ -231,8 +232,7 @@ def _home(run: str, record: Path | None) -> Path:
         raise InputError(f"--record {record}: there is a recording already; choose a new directory, or remove it")
     if record.is_dir() and next(record.iterdir(), None) is not None:
         raise InputError(f"--record {record}: there is something else in this directory; choose a new one")
-    record.mkdir(parents=True, exist_ok=True)
-    return record.resolve()
+    return made(record).resolve()
 
 
 def _judge(scenario: Scenario, home: Path, over: RunOver | None, stopped: str) -> Report:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from typing import Any
 
 import msgspec
@@ -41,6 +43,11 @@ def chosen_scenario(args: argparse.Namespace) -> Scenario:
 def print_json(value: Any) -> None:
     """One JSON object, indented for people."""
     print(msgspec.json.format(msgspec.json.encode(value), indent=1).decode())
+
+
+def has_screen() -> bool:
+    """Whether what is printed goes to a terminal on which the dashboard can be drawn."""
+    return sys.stdout.isatty() and os.environ.get("TERM", "") not in ("", "dumb", "unknown")
 
 
 def running_options(parser: argparse.ArgumentParser) -> None:

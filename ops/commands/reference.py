@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from ops.commands.common import json_option, print_json
+from ops.places import made
 
 DOCS = Path("docs/reference")
 
@@ -20,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def execute(args: argparse.Namespace) -> int:
     from ops.reference import pages  # not before: it asks every command for its options, this one too
 
-    args.output.mkdir(parents=True, exist_ok=True)
+    made(args.output)
     files = []
     for name, text in pages().items():
         (args.output / name).write_text(text, encoding="utf-8")

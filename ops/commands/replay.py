@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from ops.commands.common import has_screen
 from ops.tables import InputError
 
 
@@ -17,7 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def execute(args: argparse.Namespace) -> int:
     if args.speed <= 0:
         raise InputError(f"--speed {args.speed:g}: expected more than 0")
-    if not sys.stdout.isatty():
+    if not has_screen():
         raise InputError("the dashboard needs a terminal")
     from ops.replay import replay
 

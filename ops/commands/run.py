@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import signal
-import sys
 from pathlib import Path
 from typing import NoReturn
 
-from ops.commands.common import json_option, print_json, scenario_options
+from ops.commands.common import has_screen, json_option, print_json, scenario_options
 from ops.ports import HOST
 from ops.running import Options, Outcome, Show
 from ops.running import execute as run_scenario
@@ -127,7 +126,7 @@ def _as_overrides(args: argparse.Namespace) -> list[str]:
 def _show(args: argparse.Namespace) -> Show:
     if args.json:
         return Silence()
-    return Screen() if sys.stdout.isatty() and not args.headless else Lines()
+    return Screen() if has_screen() and not args.headless else Lines()
 
 
 def _interrupt(_number: int, _frame: object) -> NoReturn:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from bus.transport import TransportError
-from ops.commands.common import running_options
+from ops.commands.common import has_screen, running_options
 from ops.registry import find
 from ops.tables import InputError
 
@@ -19,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     running = find(args.run, args.connect, args.identity)
-    if not sys.stdout.isatty():
+    if not has_screen():
         raise InputError("the dashboard needs a terminal; muster run --headless prints lines")
     from ops.dashboard import watch
 

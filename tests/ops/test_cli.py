@@ -15,6 +15,7 @@ from bus.keys import NAME
 from ops.children import environment
 from ops.cli import main
 from ops.commands import COMMANDS
+from ops.commands.common import has_screen
 from ops.registry import Running, find, listing, new_name, registered
 from ops.tables import InputError
 
@@ -127,6 +128,9 @@ def test_compile_writes_the_files(capsys: pytest.CaptureFixture[str], tmp_path: 
         (["run", "factory/one_worker", "--record", str(Path(__file__).parent)], "there is something else in this"),
         (["plan", "factory/one_worker", "--set", "teams.T1.boxes=x"], "found 'x' (--set teams.T1.boxes=x)"),
         (["plan", "factory/one_worker", "--set", "seed=2", "--set", "teams.T1.boxs=1"], "(--set teams.T1.boxs=1)"),
+        (["run", "factory/one_worker", "--record", "/dev/null/x"], "cannot be made: Not a directory"),
+        (["compile", "factory/one_worker", "-o", "/dev/null/x"], "cannot be made: Not a directory"),
+        (["reference", "-o", "/dev/null/x"], "cannot be made: Not a directory"),
         (["inject", "brake", "T1.w1"], "unknown kind 'brake'. Supported: break ROBOT; move BODY"),
         (["inject", "pause", "T1"], "pause needs it"),
         (["inject", "drop", "T1", "share=2"], "share: expected a number from 0 to 1"),
@@ -170,6 +174,22 @@ def test_what_is_missing_or_no_number_is_told(
 @pytest.mark.parametrize("scenario", ["one_worker", "mine one", "größer", "a" * 60, "-", ".hidden", "日本"])
 def test_a_run_gets_a_name_that_the_bus_takes_whatever_the_file_is_called(scenario: str) -> None:
     assert NAME.fullmatch(new_name(scenario))
+
+
+def test_where_no_runs_can_be_listed_the_way_out_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", "/dev/null")
+    code, out, err = run(capsys, "list")
+    assert (code, out) == (2, "")
+    assert "set XDG_RUNTIME_DIR to a directory of your own" in err
+
+
+@pytest.mark.parametrize(("terminal", "drawn"), [("xterm-256color", True), ("dumb", False), ("", False)])
+def test_a_terminal_that_cannot_draw_is_no_screen(monkeypatch: pytest.MonkeyPatch, terminal: str, drawn: bool) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", terminal)
+    assert has_screen() is drawn
 
 
 def test_a_port_in_use_is_said_with_the_way_out(capsys: pytest.CaptureFixture[str]) -> None:

@@ -26,6 +26,16 @@ def test_a_sound_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"python", "clingo", "eclipse-zenoh", "packages", "clock", "directory", "ports"} <= checks.keys()
 
 
+def test_a_directory_of_somebody_else_is_said_with_what_to_do(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path / "file"))
+    finding = doctor._directory()
+    assert not finding.ok
+    assert finding.found.endswith("cannot be made: Not a directory")
+    assert finding.advice == "set XDG_RUNTIME_DIR to a directory of your own, or unset it"
+    assert "cannot be told" in doctor._port().found
+
+
 def test_a_missing_package_is_said_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(doctor.PACKAGES, "clingo", "no_such_module")
     finding = doctor._package("clingo")
