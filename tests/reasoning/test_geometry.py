@@ -95,6 +95,7 @@ def test_only_furniture_that_is_needed_is_named() -> None:
         (((0.5, 1.5), (1.5, 1.5), (2.5, 1.4)), ""),
         (((0.5, 2.0), (3.0, 2.0)), "book"),
         (((0.5, 2.0), (1.62, 2.0)), ""),
+        (((0.5, 2.0), (1.64, 2.0)), "book"),
     ],
 )
 def test_a_way_is_replayed_against_walls_furniture_and_things(
@@ -108,6 +109,11 @@ def test_a_polygon_need_not_be_convex_to_be_replayed() -> None:
     assert collision(of(corner), {}, Trajectory(((1.5, 1.5), (2.0, 1.2)), 0.0)) == ""
     assert collision(of(corner), {}, Trajectory(((2.8, 1.0),), 0.0)) == "corner"
     assert collision(of(corner), {}, Trajectory(((2.0, 1.2), (3.5, 1.2)), 0.0)) == "corner"
+
+
+def test_who_begins_far_inside_a_piece_touches_it_as_well() -> None:
+    stage = ("stage", ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)))
+    assert collision(of(stage), {}, Trajectory(((2.0, 1.5),), 0.0)) == "stage"
 
 
 @settings(max_examples=40, deadline=None)

@@ -55,9 +55,11 @@ DEADLINE = problem([robot("r1", 0, 0)], size=(8, 2), deadline=1)
         (BOTH, "goto(r1,2,1) goto(r2,3,1)",
          {"at(r1)": "(2,1)", "at(r2)": "(3,1)", "at(rug)": "(2,1)", "end(rug)": "(3,1)", "elapsed": 1}),
         (HALL, "goto(r1,12,0)", {"at(r1)": "(12,0)", "elapsed": 4}),
-        (HALL, "goto(r1,13,0)", None),  # more than four units
+        (HALL, "goto(r1,12,1)", None),  # 12.04 m: more than four units
+        (HALL, "goto(r1,13,0)", None),
         (VASE, "goto(r1,8,0)", {"at(r1)": "(8,0)", "at(vase)": "(8,0)", "elapsed": 4}),
-        (VASE, "goto(r1,9,0)", None),  # fragile: slower
+        (VASE, "goto(r1,8,1)", None),  # 8.06 m; fragile: slower
+        (VASE, "goto(r1,9,0)", None),
         (WARNED, "goto(r1,2,0)", None),
         (WARNED, "goto(r1,2,1)", {"at(r1)": "(2,1)", "elapsed": 1}),
         (DEADLINE, "goto(r1,3,0)", {"at(r1)": "(3,0)", "elapsed": 1}),

@@ -8,6 +8,7 @@ import pytest
 
 from reasoning.checker import check
 from reasoning.domain import load
+from reasoning.values import Problem
 from tests.encodings.housekeeping.rooms import DOMAIN, NIGHTSTAND, SHELF, problem, robot, thing
 from tests.encodings.housekeeping.test_actions import (
     AT,
@@ -28,6 +29,8 @@ NARROW: dict[str, Any] = {"furniture": [NIGHTSTAND, SHELF]}
 LATE = problem([robot("r1", 0, 0)], [thing("book", 0, 0)], late=[{"thing": "book", "steps": 2}])
 FEW = problem([robot("r1", 1, 1)], [thing("book", 1, 1)])
 FEW = type(FEW)(DOMAIN, {**FEW.static, "most(living_room,attaches)": 0}, FEW.state)
+AWAY = problem([robot("r1", 0, 0), robot("r2", 1, 1)])
+AWAY = type(AWAY)(DOMAIN, {**AWAY.static, "away(living_room,0)": "(r1,3)"}, AWAY.state)
 NOT_YET = type(FEW)(DOMAIN, {**ONE.static, "away(living_room,0)": "(r1,3)"}, ONE.state)
 ROW = problem(GAP, [thing("a", 1, 0), thing("b", 1, 1), thing("c", 1, 2)])
 BROAD = type(ROW)(DOMAIN, {**ROW.static, "radius(thing)": 40}, ROW.state)
@@ -85,6 +88,37 @@ def test_what_the_details_say_is_judged_too() -> None:
     found = check(DOMAIN, RUG.static, {"T1": held}, {"T1": [("attach(r1)",)]},
                   details={"T1": {(0, "attach(r1)"): {"attach_point": "grip(rug,1)"}}})  # fmt: skip
     assert "attach_taken" in {violation.rule for violation in found}
+
+
+def rules_of(start: Problem, told: str) -> set[str]:
+    """The rules that a plan breaks on its way, whatever its goal says."""
+    steps = [tuple(step.split()) for step in told.split("|")]
+    found = check(DOMAIN, start.static, {"T1": start.state}, {"T1": steps})
+    return {violation.rule for violation in found if violation.action != "goal"}
+
+
+@pytest.mark.parametrize(
+    ("start", "wrong", "right"),
+    [
+        (LATE, "goto(r1,1,0) | goto(r1,0,0) | attach(r1) | goto(r1,3,0) | goto(r1,3,1)",
+         "goto(r1,1,0) | goto(r1,2,0) | goto(r1,0,0) | attach(r1) | goto(r1,3,0)"),
+        (AWAY, "goto(r2,2,1) | goto(r2,3,1) | goto(r1,1,0)",
+         "goto(r2,2,1) | goto(r2,3,1) | goto(r2,2,1) | goto(r1,1,0)"),
+    ],
+    ids=["early", "away"],
+)  # fmt: skip
+def test_what_is_not_yet_allowed_is_from_its_time_on(start: Problem, wrong: str, right: str) -> None:
+    assert len(rules_of(start, wrong)) == 1
+    assert rules_of(start, right) == set()
+
+
+def test_who_carries_stays_when_the_other_one_may_not_go() -> None:
+    held = {"r1": "grip(rug,1)", "r2": "grip(rug,2)"}
+    start = problem([robot("r1", 0, 0), robot("r2", 0, 1)], heavy=[LONG], held=held,
+                    never=[{"robot": "r2", "from": [0, 1], "to": [2, 1]}])  # fmt: skip
+    found = check(DOMAIN, start.static, {"T1": start.state}, {"T1": [("goto(r1,2,0)", "goto(r2,2,1)")]})
+    told = {(violation.action, violation.rule) for violation in found if violation.action != "goal"}
+    assert told == {("goto(r1,2,0)", "held_back"), ("goto(r2,2,1)", "never")}
 
 
 def test_every_rule_has_its_test_and_its_words() -> None:
