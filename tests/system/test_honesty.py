@@ -223,6 +223,6 @@ def test_nobody_hears_of_anything_broken_before_a_team_has_found_out(watched: Wa
 
 
 def test_no_agent_names_the_keys_of_the_truth() -> None:
-    for file in sorted((ROOT / "agents").glob("*.py")) + sorted((ROOT / "reasoning").rglob("*.py")):
+    for file in sorted((ROOT / "agents").rglob("*.py")) + sorted((ROOT / "reasoning").rglob("*.py")):
         names = {node.attr for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.Attribute)}
         assert not names & {"truth_frame", "truth_scene", "listen", "subscribe"}, file.name
