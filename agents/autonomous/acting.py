@@ -113,9 +113,9 @@ class Acting:
             return mind.thinking.consider(now.state, now.aside, helped=helped, late=now.late)
 
         def then(thought: Thought) -> None:
-            if mind.memory.deadline == deadline:
+            if mind.memory.deadline == deadline and mind.memory.looked:
                 self._thought(thought)
-            else:  # it has thought of another deadline than it has by now
+            else:  # it has thought of another deadline than it has by now, or of a room that has changed since
                 self._thinking = False
                 self.go_on()
 
