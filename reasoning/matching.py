@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from reasoning.domain import core_program
 from reasoning.solver import models
@@ -13,28 +13,32 @@ def match(
     borrowers: Mapping[str, int],
     delay: int | Mapping[tuple[str, str], int],
     bench: Mapping[str, int] | None = None,
+    order: Sequence[str] = (),
 ) -> dict[str, str] | None:
     """A lender or a robot on the bench for each borrower, each serving one at most; None: there is no such assignment.
 
     `lenders[team]` is the earliest step to give, `borrowers[team]` the latest step to take, `bench[robot]` the step
     from which a waiting robot can be taken, `delay` the steps of transport, of all or of each pair (lender,
-    borrower); a pair without one cannot exchange. Uses as many robots of the bench as possible. Deterministic.
+    borrower); a pair without one cannot exchange. Uses as many robots of the bench as possible,
+    then lenders that can give early, and of those the first in `order`, or without one by name. Deterministic.
     """
     bench = bench or {}
     if not borrowers:
         return {}
-    names = {name: f"x{number}" for number, name in enumerate(sorted({*lenders, *borrowers, *bench}))}
+    numbers = {
+        name: number for number, name in enumerate(dict.fromkeys((*order, *sorted({*lenders, *borrowers, *bench}))))
+    }
     pairs = {(giver, taker): delay for giver in lenders for taker in borrowers} if isinstance(delay, int) else delay
-    facts = [f"lender({names[name]},{step})." for name, step in sorted(lenders.items())]
-    facts += [f"borrower({names[name]},{step})." for name, step in sorted(borrowers.items())]
-    facts += [f"bench({names[name]},{step})." for name, step in sorted(bench.items())]
+    facts = [f"lender({numbers[name]},{step})." for name, step in sorted(lenders.items())]
+    facts += [f"borrower({numbers[name]},{step})." for name, step in sorted(borrowers.items())]
+    facts += [f"bench({numbers[name]},{step})." for name, step in sorted(bench.items())]
     facts += [
-        f"delay({names[giver]},{names[taker]},{steps})."
+        f"delay({numbers[giver]},{numbers[taker]},{steps})."
         for (giver, taker), steps in sorted(pairs.items())
         if giver in lenders and taker in borrowers
     ]
     found = models([core_program("match")], facts, optimum=True)
     if not found:
         return None
-    known = {symbol: name for name, symbol in names.items()}
-    return {known[str(taker)]: known[str(giver)] for _, (taker, giver) in sorted(found[0].atoms)}
+    named = list(numbers)
+    return {named[int(taker)]: named[int(giver)] for _, (taker, giver) in sorted(found[0].atoms)}

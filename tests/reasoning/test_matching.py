@@ -67,6 +67,14 @@ def test_the_order_of_the_input_makes_no_difference() -> None:
     assert one == match({"T3": 0, "T1": 0, "T2": 0}, {"T5": 5, "T4": 5}, 1)
 
 
+def test_lenders_that_are_alike_serve_in_the_order_wanted_or_by_name() -> None:
+    alike = {f"T{n}": 3 for n in range(1, 12)}
+    assert match(alike, {"B": 5}, 1) == {"B": "T1"}
+    assert match(alike, {"B": 5}, 1, order=["T11", "T2"]) == {"B": "T11"}
+    assert match({**alike, "T11": 4}, {"B": 5}, 1, order=["T11", "T2"]) == {"B": "T2"}
+    assert match(alike, {"B": 5, "C": 5}, 1, order=["T11", "T2"]) == {"B": "T11", "C": "T2"}
+
+
 def test_nobody_to_serve_is_served() -> None:
     assert match({}, {}, 2) == {}
     assert match({"T1": 3}, {}, 2) == {}
