@@ -46,6 +46,8 @@ def cheapest(
         return plan, ""
     while True:
         spent = int(plan.states[-1][fluent])
+        if spent == int(plan.states[0][fluent]):
+            return plan, f"{fluent} {spent} is least: nothing is added to it"
         planner = Planner(bounded(problem, fluent, spent - 1), cancelled=cancelled, clock=clock)
         answer = planner.answer(Question("alone", within), seconds=seconds())
         if answer.plan is None:

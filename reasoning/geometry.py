@@ -22,9 +22,10 @@ from itertools import combinations
 
 from reasoning.domain import Domain, load
 from reasoning.lessons import Lessons
+from reasoning.motion.connectivity import MARGIN_M
 from reasoning.motion.convex import Point, nearest
 from reasoning.motion.judge import RoomJudge
-from reasoning.motion.layout import Disc, Layout
+from reasoning.motion.layout import WALLS, Disc, Layout
 from reasoning.motion.oracle import Oracle
 from reasoning.motion.payload import PayloadPlanner
 from reasoning.propagation import MotionPropagator, Names
@@ -199,14 +200,35 @@ def between(known: Room, p: Cell, q: Cell) -> str:
     return _listed([name for name, _ in needed])
 
 
-def _touching(known: Room, c: Cell) -> str:
-    """The furniture that a robot in the middle of a cell would touch."""
-    oracle = Oracle()
-    names = []
+def near(domain: Domain, static: Mapping[str, Value], states: Mapping[str, State]) -> list[str]:
+    """Where robots are too near to furniture, for programs that check a set-up: ``near(Team,P,Name,MM,MM')``, the
+    furniture is MM millimetres from the middle of cell P, of which a robot must be MM' away."""
+    rooms = {team: known for team, state in states.items() if (known := room(domain, static, state))}
+    return [
+        f"near({quoted(team)},{_term(c)},{name},{round(1000 * away_m)},{round(1000 * _needed_m(known))})."
+        for team, known in rooms.items()
+        for c in known.cells
+        for name, away_m in _near(known, c)
+    ]
+
+
+def _near(known: Room, c: Cell) -> list[tuple[str, float]]:
+    """The furniture that a robot in the middle of a cell would touch, and how far it is from there, metres."""
+    found = []
     for name, corners in known.furniture:
         alone = Layout(known.layout.width_m, known.layout.height_m, (corners,))
-        if any(nearest(middle(c), part)[0] < known.robot_m + oracle.margin_m for part in alone.solids[4:]):
-            names.append(name)
+        away_m = min(nearest(middle(c), part)[0] for part in alone.solids[WALLS:])
+        if away_m < _needed_m(known):
+            found.append((name, away_m))
+    return found
+
+
+def _needed_m(known: Room) -> float:
+    return known.robot_m + MARGIN_M
+
+
+def _touching(known: Room, c: Cell) -> str:
+    names = [name for name, _ in _near(known, c)]
     return names[0] if len(names) == 1 else _listed(names)
 
 

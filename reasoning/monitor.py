@@ -28,7 +28,7 @@ def appeared(predicted: State, observed: State, before: State | None = None) -> 
     is a discrepancy, nothing new.
     """
     known = bodies(predicted) | bodies(before or {})
-    return tuple(sorted(fluent for fluent in observed if not known & set(arguments(fluent))))
+    return tuple(sorted(f for f in observed if (about := set(arguments(f))) and not known & about))
 
 
 def vanished(predicted: State, observed: State, before: State | None = None) -> tuple[str, ...]:

@@ -7,22 +7,22 @@ derives the initial states and says what types cannot. Wrong input is a value (`
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from reasoning.domain import Domain, Key, load
 from reasoning.motion.convex import canonical
-from reasoning.solver import Atom, models, parse
+from reasoning.solver import models, parse
 from reasoning.values import State, Value
 
 TEAM = "team"
-_NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,30}")
+_NAME = re.compile(r"(?!not$)[a-z][A-Za-z0-9_]{0,30}")
 _TEAM_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 _WORDS = {
     "table": "a table",
     "team": "a team's name",
-    "name": "a name: a small letter, then letters, digits or _",
+    "name": "a name: a small letter, then letters, digits or _, and not the word not",
     "cell": "a cell [column, row] of two integers",
     "area": "an area [west, east, south, north] of four integers",
     "polygon": "the corners [[x, y], ...] of a polygon that does not touch itself, in order, as integers",
@@ -86,18 +86,23 @@ def compile_setup(domain: str | Domain, tables: Mapping[str, Any]) -> Setup | Re
     teams = tuple(tables["teams"])
     facts = [f'team("{team}").' for team in teams]
     facts += [f"given({_path(path)},{_term(value)})." for path, value in reader.found]
-    (model,) = models([domain.program("setup")], facts)
-    return _result(domain, teams, model.atoms)
+    found = _result(domain, teams, facts)
+    if isinstance(found, Refused) or not domain.data.geometry:
+        return found
+    from reasoning import geometry  # only now: slow to import, and most domains do without
+
+    return _result(domain, teams, [*facts, *geometry.near(domain, found.static, found.states)])
 
 
-def _result(domain: Domain, teams: tuple[str, ...], atoms: Iterable[Atom]) -> Setup | Refused:
+def _result(domain: Domain, teams: tuple[str, ...], facts: Sequence[str]) -> Setup | Refused:
     static: dict[str, Value] = {}
     states: dict[str, dict[str, Value]] = {team: {} for team in teams}
     floors: dict[str, dict[str, Value]] = {team: {} for team in teams}
     hidden: dict[str, dict[str, Value]] = {team: {} for team in teams}
     entities: list[Entity] = []
     errors: list[Wrong] = []
-    for name, args in sorted(atoms, key=str):
+    (model,) = models([domain.program("setup")], facts)
+    for name, args in sorted(model.atoms, key=str):
         match name, args:
             case "static", (key, value):
                 static[str(key)] = value
@@ -136,8 +141,7 @@ class _Reader:
         self.errors: list[Wrong] = []
 
     def scenario(self, setup: Mapping[str, Mapping[str, Key]], tables: Mapping[str, Any]) -> None:
-        allowed = ["teams" if name == TEAM else name for name in setup]
-        self._unknown((), tables, allowed)
+        self._unknown((), tables, ["teams" if name == TEAM else name for name in setup])
         for section, keys in setup.items():
             if section == TEAM:
                 self._teams(keys, tables.get("teams"))
@@ -168,7 +172,7 @@ class _Reader:
 
     def _value(self, path: KeyPath, key: Key, value: Any) -> None:
         if key.type == "table":
-            if value or key.default is None:  # an empty default: there is none
+            if value != {} or key.default is None:  # an empty default: there is none
                 self._table(path, key.item, value)
         elif key.type == "list" and isinstance(value, list) and _within(key, len(value)):
             for index, item in enumerate(value):
@@ -207,8 +211,9 @@ def _is_tuple(value: Any, length: int) -> bool:
 def _is_polygon(corners: Any) -> bool:
     if not isinstance(corners, list) or not all(_is_tuple(corner, 2) for corner in corners):
         return False
+    points = tuple(map(tuple, corners))
     try:
-        return bool(canonical(tuple(map(tuple, corners))))
+        return len(set(points)) == len(points) and bool(canonical(points))
     except ValueError:
         return False
 

@@ -44,15 +44,20 @@ def parse(text: str) -> tuple[str, tuple[Term, ...]]:
     """Name and arguments of a written term: ``move(w1,right)`` gives ``("move", ("w1", "right"))``; the name of a
     tuple is empty.
 
-    Raises ValueError for what is no compound term or constant.
+    Raises ValueError for what is no compound term or constant, or has ``not`` for a name, which no program may.
     """
     try:
         symbol = clingo.parse_term(text)
     except RuntimeError as error:
         raise ValueError(f"not a term: {text!r}") from error
-    if symbol.type != clingo.SymbolType.Function or not symbol.positive:
+    if symbol.type != clingo.SymbolType.Function or not symbol.positive or _negates(symbol):
         raise ValueError(f"not an action or a fluent: {text!r}")
     return symbol.name, tuple(_plain(a) for a in symbol.arguments)
+
+
+def _negates(symbol: clingo.Symbol) -> bool:
+    """Is ``not`` a name in it? Such a term can be parsed by itself, but not as a part of a program."""
+    return symbol.type == clingo.SymbolType.Function and (symbol.name == "not" or any(map(_negates, symbol.arguments)))
 
 
 def quoted(text: str) -> str:
@@ -139,7 +144,7 @@ class Program:
         """One search under assumptions (name, arguments, truth), stopped by its budgets or by `cancelled`, which
         is asked every `SLICE_S`, as `beat` is called. A budget of seconds is kept to a few hundredths. Unless it is to
         be `told`, what a model says is not read, which may take longer than the search."""
-        self.control.configuration.solve.solve_limit = f"{conflicts},umax" if conflicts else "umax,umax"  # type: ignore[union-attr]
+        self.control.configuration.solve.solve_limit = "umax,umax" if conflicts is None else f"{conflicts},umax"  # type: ignore[union-attr]
         symbols = [(clingo.Function(name, [_symbol(a) for a in args]), truth) for name, args, truth in assumptions]
         found: list[Model] = []
 

@@ -32,7 +32,8 @@ def canonical(vertices: tuple[Point, ...]) -> Polygon:
     points = [(round(x, MILLIMETRE), round(y, MILLIMETRE)) for x, y in vertices]
     idle = True
     while idle:
-        around = list(zip(points[-1:] + points[:-1], points, points[1:] + points[:1], strict=True))
+        once = [b for a, b in zip(points[-1:] + points[:-1], points, strict=True) if a != b]
+        around = list(zip(once[-1:] + once[:-1], once, once[1:] + once[:1], strict=True))
         # Integers of millimetres, so that "on one line" is exact.
         kept = [b for a, b, c in around if turn(_mm(a), _mm(b), _mm(c)) != 0]
         idle, points = len(kept) < len(points), kept

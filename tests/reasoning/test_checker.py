@@ -94,6 +94,7 @@ SPOILED = [
     Spoiled("take_twice", "T1", 13, exchanges=(EXCHANGES[0], Exchange("w3", "T2", 11, "T4", 18, "w2"))),
     Spoiled("two_robots", "T1", 13, exchanges=(*EXCHANGES, Exchange("w1", "T3", 10, "T1", 13, "w2"))),
     Spoiled("exchange_no_give", "T2", 10, exchanges=(EXCHANGES[1], Exchange("w3", "T2", 10, "T1", 13, "w2"))),
+    Spoiled("exchange_no_give", "T2", 0, exchanges=(EXCHANGES[1], Exchange("w3", "T2", 0, "T1", 13, "w2"))),
     Spoiled("exchange_no_take", "T1", 14, exchanges=(EXCHANGES[1], Exchange("w3", "T2", 11, "T1", 14, "w2"))),
     Spoiled("repair_whole", "T1", 7, add=("repair(c1)",)),
     Spoiled("broken", "T4", 17, ("repair(c1)",), found_at=("T4", 18)),
@@ -158,7 +159,18 @@ def test_a_lone_borrower_takes_a_robot_that_was_given_before_the_plan_began() ->
 
 
 def test_what_a_plan_file_may_contain_besides_actions_is_told_and_never_becomes_a_program() -> None:
-    junk = ["move(w1", "lineShift. :- ", "X", "", "7", "f(1..9)", "move(w1,right)", "move(w1,right)"]
+    junk = [
+        "move(w1",
+        "lineShift. :- ",
+        "not",
+        "move(not,left)",
+        "X",
+        "",
+        "7",
+        "f(1..9)",
+        "move(w1,right)",
+        "move(w1,right)",
+    ]
     states = {"T1": SETUP.states["T1"]}
     told = [Exchange("w1). :-", "T2", 0, "T1", 2, "w2"), Exchange("w1", 'T"2', 0, "T1", 2, "W")]
     details = {"T1": {(0, "move(w1"): {"effector": 1}, (0, "lineShift"): {"robot": "T2.w3", "effector": ":-"}}}

@@ -33,6 +33,10 @@ def test_a_robot_that_did_not_leave_or_arrive_is_nothing_new() -> None:
     assert appeared(left, BEFORE) == ("at(w1)", "effector(w1)")
 
 
+def test_a_fluent_that_is_about_no_body_neither_appears_nor_vanishes() -> None:
+    assert appeared({"elapsed": 3}, {"elapsed": 4}) == vanished({"elapsed": 3}, {}) == ()
+
+
 FLUENTS = st.sampled_from(["at(w1)", "at(w2)", "line(1)", "stage(1)", "attached(c1)", "broken(w1)"])
 STATES = st.dictionaries(FLUENTS, st.integers(0, 2))
 

@@ -100,6 +100,8 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (tables(bowls=1), "teams.T1.bowls", "one of the keys boxes, workers, carrier"),
     ({"teams": {"T1": {"carrier": TEAM["carrier"]}}}, "teams.T1.boxes", "an integer, 0 to 40"),
     (tables(carrier=1), "teams.T1.carrier", "a table"),
+    (tables(carrier=False), "teams.T1.carrier", "a table"),
+    (tables(workers=[{**W1, "name": "not"}]), "teams.T1.workers[0].name", "and not the word not"),
     ({**tables(), "exchange": {"sharing": "all"}}, "exchange.sharing", "published or general"),
     (general(sharing="published"), "exchange.delays", "none, unless sharing is general"),
     (general({"from": "T1", "to": "T3", "steps": 3}), "exchange.delays[0].to", "a team of this scenario"),
@@ -119,6 +121,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (tables(workers=[W1, {**W2, "name": "w1"}]), "teams.T1.workers[0].name", "a name that no other robot"),
     (tables(carrier={"name": "w1", "at": [1, 1]}), "teams.T1.carrier.name", "a name that no other robot"),
     (tables(carrier={"name": "none", "at": [1, 1]}), "teams.T1.carrier.name", "none is a word of the domain"),
+    (tables(workers=[{**W1, "name": "other"}]), "teams.T1.workers[0].name", "other is a word of the domain"),
 ]
 
 

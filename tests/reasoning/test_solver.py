@@ -55,7 +55,8 @@ def test_terms_are_parsed_and_strings_quoted() -> None:
     assert parse("(1,2)") == ("", (1, 2))
     said = 'say "hi"'
     assert parse(f"f({quoted(said)})") == ("f", (said,))
-    for text in ("", "1", "f(", "-f", "f(X)", "a. b"):
+    assert parse('f("if not")') == ("f", ("if not",))
+    for text in ("", "1", "f(", "-f", "f(X)", "a. b", "not", "f((1,g(not)))"):  # not is no name in a program
         with pytest.raises(ValueError, match="not a"):
             parse(text)
 
@@ -79,6 +80,7 @@ def test_a_budget_of_conflicts_ends_a_search_the_same_way_every_time(tmp_path: P
     assert ends[0] == ends[1]
     assert (ends[0].satisfiable, ends[0].model) == (None, None)
     assert 2000 <= ends[0].conflicts < 2100
+    assert program.solve([("use", (1,), True)], conflicts=0).satisfiable is None
     assert program.solve([("use", (1,), False)]).satisfiable
 
 

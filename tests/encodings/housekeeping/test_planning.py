@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -11,12 +12,22 @@ from ops.scenario import load
 from reasoning import reference
 from reasoning.checker import check
 from reasoning.costs import bounded, cheapest
-from reasoning.planner import Planner
+from reasoning.planner import Planner, predict
+from reasoning.reasons import follow
 from reasoning.setup import Refused, compile_setup
 from reasoning.values import Found, Plan, Problem
 from tests.encodings.housekeeping.rooms import DOMAIN, NIGHTSTAND, SHELF, problem, robot, thing
 
 LONG = {"name": "rug", "kind": "cushion", "at": [0, 0], "end": [0, 1]}
+
+
+def spent(start: Problem, units: int) -> Problem:
+    return replace(start, state={**start.state, "elapsed": units})
+
+
+def moved(start: Problem, place: str) -> Problem:
+    """Where no scenario may put a robot, but perhaps a person did."""
+    return replace(start, state={**start.state, "at(r1)": place})
 
 
 def shortest(start: Problem) -> Found:
@@ -144,6 +155,12 @@ def test_two_robots_carry_what_is_heavy_together() -> None:
          "there are 1 places where 2 ends of things are to be"),
         (problem([robot("r1", 0, 0)], [thing("a", 1, 1, "plate")]), "a belongs in a room that no exchange area"),
         (problem([robot("r1", 0, 0)], [thing("a", 1, 1)], deadline=3), "1 robots 4 units at least"),
+        (spent(problem([robot("r1", 0, 0)], [thing("a", 1, 1)], deadline=30), 31),
+         "elapsed is 31 already, and may be 30 at most"),
+        (moved(problem([robot("r1", 0, 0)], [thing("a", 3, 2)], furniture=[NIGHTSTAND], level="both"), "(1,0)"),
+         "r1, at (1,0), cannot move: it would touch nightstand"),
+        (moved(problem([robot("r1", 0, 0)], [thing("a", 3, 2)], furniture=[NIGHTSTAND], level="interleaved"), "(1,0)"),
+         "r1, at (1,0), cannot move: it would touch nightstand"),
         (problem([robot("r1", 0, 0)], [thing("a", 1, 0)], furniture=[NIGHTSTAND], level="both"),
          "no robot can stand at a, at (1,0): it would touch nightstand"),
         (problem([robot("r1", 0, 1)], [thing("a", 2, 1)], furniture=[NIGHTSTAND, SHELF], level="static"),
@@ -165,6 +182,39 @@ def test_a_deadline_that_no_search_can_keep_ends_the_search() -> None:
     found = Planner(far).shortest()
     assert found.status == "infeasible"
     assert "deadline" in found.proof
+
+
+def test_what_follows_is_predicted_also_when_the_deadline_has_passed() -> None:
+    late = spent(problem([robot("r1", 0, 0)], [thing("a", 1, 1)], deadline=30), 31)
+    plan, possible = predict(late, [(), ("goto(r1,1,1)",)])
+    assert (possible, plan.states[-1]["elapsed"]) == (1, 31)
+
+
+@pytest.mark.parametrize("level", ["none", "static", "interleaved", "both"])
+def test_a_thing_that_is_in_its_place_needs_no_robot_there(level: str) -> None:
+    """Nobody can stand at (0,0), where b is to be and lies already."""
+    stool = {"name": "stool", "corners": [[0, 0], [20, 0], [20, 20], [0, 20]]}
+    things = [thing("a", 3, 2), thing("b", 0, 0)]
+    start = problem([robot("r1", 2, 2)], things, deposit=(0, 1, 0, 0), furniture=[stool], level=level)
+    start = replace(start, static={**start.static, "radius(robot)": 45})
+    assert plan_of(start).makespan == 4
+
+
+@pytest.mark.parametrize("level", ["interleaved", "both"])
+def test_the_least_time_is_that_of_the_ways_past_what_lies_in_them(level: str) -> None:
+    """A thing in the middle of a corridor makes the straight way of 3 m longer. Without a deadline, too, the checker's
+    time is the one that is proved to be the least."""
+    start = problem([robot("r1", 0, 1)], [thing("a", 3, 1), thing("b", 1, 1)], deposit=(0, 1, 1, 1), level=level)
+    start = replace(start, static={**start.static, "least(living_room)": "elapsed"})
+    plan, proof = cheapest(start, plan_of(start), 4)
+    assert proof.startswith(f"elapsed {plan.states[-1]['elapsed']} is least")
+    (states,) = follow(DOMAIN, start.static, {"T1": start.state}, {"T1": plan.steps}).values()
+    assert states[-1]["elapsed"] == plan.states[-1]["elapsed"]
+
+
+def test_where_nothing_is_to_be_done_no_cost_is_refuted() -> None:
+    tidy = problem([robot("r1", 0, 0)], [thing("a", 3, 1)], minimise="duration")
+    assert cheapest(tidy, plan_of(tidy), 0) == (plan_of(tidy), "elapsed 0 is least: nothing is added to it")
 
 
 def test_costs_are_lowered_until_the_next_lower_one_is_refuted() -> None:

@@ -72,6 +72,8 @@ def test_what_nobody_knows_at_the_start_is_hidden() -> None:
         ("robots", [robot("r1", 0, 0), robot("r2", 0, 0)], "a cell without another robot"),
         ("robots", [robot("a", 0, 0)], "a name that no other body of the team has"),
         ("robots", [robot("none", 0, 0)], "none is a word of the domain"),
+        ("robots", [robot("not", 0, 0)], "a name: a small letter"),
+        ("robots", [robot("r1", 0, 0), robot("r2", 1, 0)], "260 mm from all furniture; nightstand is 0 mm from r2"),
         ("persons", [{"name": "a", "at": [0, 2]}], "a name that no other body of the team has"),
         ("persons", [{"name": "anna", "at": [0, 3]}], "a cell of the room: 0 to 3, 0 to 2"),
         ("things", [thing("a", 2, 1)], "a cell without another thing; rug lies there"),
@@ -83,6 +85,7 @@ def test_what_nobody_knows_at_the_start_is_hidden() -> None:
         ("exchange", [{"to": "den", "area": [0, 0, 0, 0]}, {"to": "den", "area": [1, 1, 0, 0]}], "another room"),
         ("furniture", [{"name": "bed", "corners": [[0, 0], [9, 0]]}], "the corners [[x, y], ...] of a polygon"),
         ("furniture", [{"name": "bed", "corners": [[0, 0], [9, 9], [9, 0], [0, 9]]}], "that does not touch itself"),
+        ("furniture", [{"name": "bed", "corners": [[0, 0], [9, 0], [9, 0], [9, 9], [0, 9]]}], "does not touch itself"),
         ("furniture", [NIGHTSTAND, NIGHTSTAND], "a name that no other furniture of the room has"),
         ("minimise", "steps", "one of nothing, duration, attaches; found steps"),
         ("late", [{"thing": "b", "steps": 4}], "a thing of the team"),
@@ -111,6 +114,19 @@ def test_levels_and_rooms_are_checked_across_the_house() -> None:
     twice = compile_setup(DOMAIN, {"teams": {"T1": TEAM, "T2": TEAM}})
     assert isinstance(twice, Refused)
     assert any("a room that no other team has" in wrong.expected for wrong in twice.errors)
+
+
+@pytest.mark.parametrize(("east", "stands"), [(124, True), (125, False), (150, False)])
+def test_robots_begin_off_the_furniture(east: int, stands: bool) -> None:
+    """The middle of the robot's cell is at 150 cm, its radius 25 cm, and a centimetre is between them."""
+    bed = {"name": "bed", "corners": [[0, 0], [east, 0], [east, 300], [0, 300]]}
+    found = compile_setup(DOMAIN, tables([robot("r1", 1, 1)], level="both", furniture=[bed]))
+    assert isinstance(found, Setup if stands else Refused)
+    if isinstance(found, Refused):
+        assert [str(wrong) for wrong in found.errors] == [
+            "teams.T1.robots[0].at: expected a cell whose middle is at least 260 mm from all furniture; "
+            f"bed is {1500 - 10 * east} mm from r1"
+        ]
 
 
 def test_furniture_need_not_be_convex() -> None:

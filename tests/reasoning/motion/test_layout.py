@@ -25,6 +25,14 @@ def test_equal_rooms_are_equal_keys() -> None:
     assert one.with_discs([]) == one.bare
 
 
+def test_a_corner_that_is_told_twice_is_a_corner() -> None:
+    for times in range(2, 4):
+        assert canonical((*SQUARE[:2], *SQUARE[1:2] * (times - 1), *SQUARE[2:])) == canonical(SQUARE)
+    assert canonical((*SQUARE, SQUARE[0])) == canonical(SQUARE)
+    spike = (*SQUARE[:3], (3.0, 3.0), *SQUARE[2:])
+    assert canonical(spike) == canonical(SQUARE)
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
