@@ -58,8 +58,9 @@ def _judged(room: Room, oracle: Oracle, things: Mapping[Cell, str], start: Cell,
         blockers = oracle.blockers(layout, room.robot_m, middle(start), middle(end)) or ()
         names = ", ".join(_bare(things[cells[number]]) for number in sorted(blockers))
         return "stuck", quoted(names or geometry.between(room, start, end))
-    touched = collision(room, dict(zip(map(_bare, things.values()), map(room.thing, things), strict=True)), way)
-    return ("collides", quoted(touched)) if touched else ("travelled", str(round(1000 * _length(way))))
+    if touched := collision(room, {body: room.thing(c) for c, body in things.items()}, way):
+        return "collides", quoted(_bare(touched) if touched in things.values() else touched)
+    return "travelled", str(round(1000 * _length(way)))
 
 
 def collision(room: Room, things: Mapping[str, Disc], way: Trajectory) -> str:

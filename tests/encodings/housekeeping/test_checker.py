@@ -8,6 +8,8 @@ import pytest
 
 from reasoning.checker import check
 from reasoning.domain import load
+from reasoning.motion.oracle import Oracle
+from reasoning.motion.trajectory import Trajectory
 from reasoning.values import Problem
 from tests.encodings.housekeeping.rooms import DOMAIN, NIGHTSTAND, SHELF, problem, robot, thing
 from tests.encodings.housekeeping.test_actions import (
@@ -147,3 +149,15 @@ def test_time_is_that_of_the_way_that_is_driven() -> None:
     assert [v.rule for v in check(DOMAIN, start.static, {"T1": start.state}, {"T1": [("goto(r1,2,0)",)]})] == [
         "deadline"
     ]
+
+
+@pytest.mark.parametrize(("at", "end"), [((1, 1), (1, 0)), ((1, 0), (1, 1))])
+def test_the_replay_looks_at_both_ends_of_a_thing(
+    at: tuple[int, int], end: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A motion planner that overlooks things goes straight over one of them."""
+    straight = Trajectory(((0.5, 1.5), (3.5, 1.5)), 3.0)
+    monkeypatch.setattr(Oracle, "shortest", lambda *_: straight)
+    start = problem([robot("r1", 0, 1)], heavy=[{"name": "rug", "kind": "cushion", "at": [*at], "end": [*end]}])
+    found = check(DOMAIN, start.static, {"T1": start.state}, {"T1": [("goto(r1,3,1)",)]})
+    assert "r1 would touch rug on its way" in {violation.text for violation in found}
