@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+import msgspec
+
 from bus.messages import Envelope, Inject, Injected, Order, Value
 from bus.node import Node
 from world.faults import Faults, physical
@@ -12,35 +14,36 @@ from world.truth import Truth
 COORDINATOR = "coordinator"
 
 
-class Disturbances:
-    """Script and operator alike. `save` journals the world."""
+class SavedOrders(msgspec.Struct):
+    """Changes of orders that the coordinator has not confirmed yet, and how many it has."""
 
-    def __init__(self, node: Node, truth: Truth, faults: Faults, save: Callable[[], None]) -> None:
+    untold: list[Order] = []
+    told: int = 0
+
+
+class Disturbances:
+    """Script and operator alike. `save` journals the world, `orders` with it."""
+
+    def __init__(self, node: Node, truth: Truth, faults: Faults, orders: SavedOrders, save: Callable[[], None]) -> None:
+        self.orders = orders
         self._node, self._truth, self._faults, self._save = node, truth, faults, save
-        self._orders: list[Order] = []
         self._under_way = ""
 
     # ------------------------------------------------------------ orders
-    @property
-    def untold(self) -> list[Order]:
-        """Changes of orders that the coordinator has not confirmed yet."""
-        return list(self._orders)
-
-    def tell(self, order: Order) -> None:
-        """Tell the coordinator of a changed order: one after the other, since the latest counts."""
-        self._orders.append(order)
-        self._tell_next()
+    def tell(self) -> None:
+        """Tell the coordinator of changed orders: one after the other, since the latest counts. The id is the order's
+        own, the same in every life."""
+        if self.orders.untold and not self._under_way:
+            name = f"{self._node.name}.order.{self.orders.told + 1}"
+            self._under_way = self._node.request(COORDINATOR, self.orders.untold[0], request_id=name)
 
     def told(self, request: str) -> None:
         """A request was answered."""
         if request == self._under_way:
-            del self._orders[0]
+            del self.orders.untold[0]
+            self.orders.told += 1
             self._under_way = ""
-            self._tell_next()
-
-    def _tell_next(self) -> None:
-        if self._orders and not self._under_way:
-            self._under_way = self._node.request(COORDINATOR, self._orders[0])
+            self.tell()
 
     # ------------------------------------------------------------ disturbances
     def of_script(self, numbers: list[int]) -> None:
@@ -97,7 +100,8 @@ class Disturbances:
         self._node.post.emit("fault_injected", text, {"kind": kind, "target": target, "args": dict(args)})
         if isinstance(outcome, Order):
             self._emit(outcome)
-            self.tell(outcome)
+            self.orders.untold.append(outcome)
+            self.tell()
         return ""
 
     def _emit(self, order: Order) -> None:

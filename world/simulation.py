@@ -12,12 +12,12 @@ import msgspec
 
 from bus import keys
 from bus.clock import ContactState
-from bus.messages import Envelope, Execute, Inject, Observe, Observed, Ok, Order, Status, Value
+from bus.messages import Envelope, Execute, Inject, Observe, Observed, Ok, Status, Value
 from bus.node import Node
 from bus.scene import Scene
 from world.common import Common
 from world.context import Context
-from world.disturbances import COORDINATOR, Disturbances
+from world.disturbances import COORDINATOR, Disturbances, SavedOrders
 from world.faults import Faults, SavedFaults, physical
 from world.frames import Frames
 from world.herald import Herald
@@ -41,12 +41,11 @@ class Bodies(msgspec.Struct):
 
 
 class Saved(msgspec.Struct):
-    """The world as it was last: `bodies` are packed `Bodies`; `orders` are changes that the coordinator has not
-    confirmed yet."""
+    """The world as it was last: `bodies` are packed `Bodies`."""
 
     bodies: msgspec.Raw
     faults: SavedFaults
-    orders: list[Order]
+    orders: SavedOrders
 
 
 class Windows(Protocol):
@@ -102,18 +101,18 @@ class World:
         self.recovered = packed is not None
         # What is said before the clock runs is said at the time at which it will begin to run.
         node.post.outbox.now = lambda: self.now_s
-        saved, untold, under_way = SavedFaults(), [], SavedWindows()
+        saved, orders, under_way = SavedFaults(), SavedOrders(), SavedWindows()
         if packed is None:
             self.truth.begin()
         else:
             state = msgspec.msgpack.decode(packed, type=Saved)
             bodies = msgspec.msgpack.decode(state.bodies, type=Bodies)
-            saved, untold, under_way = state.faults, state.orders, bodies.windows
+            saved, orders, under_way = state.faults, state.orders, bodies.windows
             self.truth.tick, self.truth.step = bodies.tick, bodies.step
             self.truth.fluents.update(bodies.fluents)
             self.truth.restore(bodies.things)
         self.faults = Faults(node, self.truth, saved, self.participants)
-        self.disturbances = Disturbances(node, self.truth, self.faults, self._save)
+        self.disturbances = Disturbances(node, self.truth, self.faults, orders, self._save)
         self.herald = Herald(node, COORDINATOR)
         self._context = Context(node, self.truth, self.faults, self.disturbances, self._save, self._show_frame)
         self._waiting: list[Envelope] = []
@@ -126,8 +125,7 @@ class World:
         )
         self.windows: Windows = Common(self._context) if scene.conducted else Own(self._context, under_way)
         self._context.tell_membership(self.truth.step)
-        for order in untold:
-            self.disturbances.tell(order)
+        self.disturbances.tell()
         node.status(Status("world", "between two steps", step=self.truth.step))
         self._save()
         self._show_frame()
@@ -234,7 +232,7 @@ class World:
         if self.windows.between:
             bodies = Bodies(truth.tick, truth.step, truth.save(), truth.fluents, self.windows.saved())
             self._bodies = msgspec.Raw(msgspec.msgpack.encode(bodies))
-        saved = Saved(self._bodies, self.faults.saved, self.disturbances.untold)
+        saved = Saved(self._bodies, self.faults.saved, self.disturbances.orders)
         self.node.journal.put(SAVED, msgspec.msgpack.encode(saved))
 
     def _show_frame(self, *, still: bool = False) -> None:

@@ -239,7 +239,6 @@ class Acting:
             mind.emit("plan_dropped", f"plans anew: {until}", step=now.step, reason=until)
         elif now.resting:
             mind.keep(**again)
-        self.go_on()
 
     @property
     def finished(self) -> bool:

@@ -22,11 +22,12 @@ _KEY = "house"
 
 
 class Ledger(msgspec.Struct, frozen=True):
-    """What must not be forgotten. `orders` are changes that their teams have not heard of, `told` counts the news of
-    who is in contact, `epoch` the enquiries; `lost` are teams out of contact, `stopped` those that will never come
-    back, `rests` the latest reports; `over` is the last word, once it is said."""
+    """What must not be forgotten. `orders` are changes that their teams have not heard of, by their numbers; `ordered`
+    counts all of them, `told` the news of who is in contact, `epoch` the enquiries; `lost` are teams out of contact,
+    `stopped` those that will never come back, `rests` the latest reports; `over` is the last word, once it is said."""
 
-    orders: tuple[m.Order, ...] = ()
+    orders: dict[int, m.Order] = {}
+    ordered: int = 0
     told: int = 0
     epoch: int = 0
     lost: tuple[str, ...] = ()
@@ -71,17 +72,12 @@ class House:
     # ------------------------------------------------------------ who is there
     def _told(self, envelope: Envelope) -> None:
         """News from the world: somebody was lost or is back, or an order changed."""
+        with self.node.journal.transaction():
+            change = self._take_in(envelope)
         body = envelope.body
-        if isinstance(body, m.Order) and body.team in self.members.teams:
-            self._note(orders=(*self.ledger.orders, body))
-        gone = isinstance(body, m.Contact) and body.state == "stopped" and body.name in self.members.teams
-        if isinstance(body, m.Contact) and (gone or body.state != "lost_contact"):
-            others = {*self.ledger.stopped} - {body.name}
-            self._note(stopped=tuple(sorted(others | {body.name} if gone else others)))
-        change = self.members.take_in(self.node, envelope, self._note)
         if self.ledger.over is not None:
             return
-        if isinstance(body, m.Contact) and (change or gone):
+        if isinstance(body, m.Contact) and change:
             if body.name in self.members.lost:
                 self.enquiry.withdraw(body.name)
             self._tell_all()
@@ -89,17 +85,30 @@ class House:
         elif isinstance(body, m.Order):
             self._pass_on()
 
+    def _take_in(self, envelope: Envelope) -> bool:
+        """Note news together with the reply to it; has contact with a team changed?"""
+        body, number = envelope.body, self.ledger.ordered + 1
+        if isinstance(body, m.Order) and body.team in self.members.teams:
+            self._note(orders={**self.ledger.orders, number: body}, ordered=number)
+        gone = isinstance(body, m.Contact) and body.state == "stopped" and body.name in self.members.teams
+        if isinstance(body, m.Contact) and (gone or body.state != "lost_contact"):
+            others = {*self.ledger.stopped} - {body.name}
+            self._note(stopped=tuple(sorted(others | {body.name} if gone else others)))
+        return bool(self.members.take_in(self.node, envelope, self._note)) or gone
+
     def _pass_on(self) -> None:
-        """Tell each team of the first change that it has not heard of: one after the other, since the latest counts."""
-        for order in self.ledger.orders:
+        """Tell each team of the first change that it has not heard of: one after the other, since the latest counts.
+        The ids are the orders' own, so that each is taken in once whatever dies meanwhile."""
+        for number, order in self.ledger.orders.items():
             if order.team not in self._ordering:
-                self._ordering[order.team] = self.node.request(order.team, order)
+                name = f"{self.node.name}.order.{number}"
+                self._ordering[order.team] = self.node.request(order.team, order, request_id=name)
 
     def _ordered(self, team: str) -> None:
         """A team knows of the change."""
         del self._ordering[team]
-        number = next(n for n, order in enumerate(self.ledger.orders) if order.team == team)
-        self._note(orders=self.ledger.orders[:number] + self.ledger.orders[number + 1 :])
+        heard = next(number for number, order in self.ledger.orders.items() if order.team == team)
+        self._note(orders={number: order for number, order in self.ledger.orders.items() if number != heard})
         self._pass_on()
         if self.ledger.over is None:
             self._take_stock()

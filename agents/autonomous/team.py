@@ -45,8 +45,10 @@ class Autonomous:
                 acting.helpers.present(present)
                 node.reply(envelope, m.Ok())
             case m.Order() as order:
-                acting.ordered(order)
-                node.reply(envelope, m.Ok())
+                with node.journal.transaction():
+                    acting.ordered(order)
+                    node.reply(envelope, m.Ok())
+                acting.go_on()
             case m.Enquire(epoch):
                 now = self.mind.memory
                 node.reply(envelope, m.Standing(epoch, self.mind.team, now.step, acting.finished, 0))

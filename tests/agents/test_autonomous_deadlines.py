@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from agents.autonomous.acting import Acting
 from bus.messages import Order
 from tests.agents.house import Home
 from tests.agents.test_autonomous import BUSY, NOVEL, TO_KITCHEN, Make, kitchen, living, make
@@ -61,6 +62,27 @@ def test_a_team_at_rest_that_was_late_is_in_time_after_all(make: Make) -> None:
     change(home, 100)
     assert home.end().goal
     assert home.kinds("kitchen").count("team_finished") == 2
+
+
+@pytest.mark.parametrize("name", ["coordinator", "kitchen"])
+def test_news_is_taken_in_once_whoever_dies_of_it(make: Make, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[str] = []
+    ordered = Acting.ordered
+
+    def counted(self: Acting, order: Order) -> None:
+        ordered(self, order)
+        self.mind.node.journal.afterwards(lambda: taken.append(order.added[0]))
+
+    monkeypatch.setattr(Acting, "ordered", counted)
+    home = make({"kitchen": kitchen(NOVEL), "living": living(*[(n, "novel", x, y) for n, _, x, y in BUSY])})
+    home.until(lambda: "plan_adopted" in home.kinds("living"))
+    for after in range(8):
+        lives = home.processes[name].lives
+        home.processes[name].left = after
+        home.world.node.request("coordinator", Order("kitchen", added=(f"after_{after}",)))
+        home.until(lambda after=after, lives=lives: f"after_{after}" in taken and home.processes[name].lives > lives)
+    assert home.end().goal
+    assert taken == [f"after_{after}" for after in range(8)]
 
 
 @pytest.mark.parametrize("name", ["coordinator", "kitchen"])

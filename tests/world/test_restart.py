@@ -171,6 +171,24 @@ def test_who_is_paused_is_resumed_by_the_next_life(tmp_path: Path) -> None:
     assert stage.asked == [ProcessFault("resume", "A")]
 
 
+def test_an_order_is_told_under_the_same_name_in_every_life(tmp_path: Path) -> None:
+    """Whoever has heard of it knows it again."""
+
+    def told(stage: Stage) -> list[str]:
+        return [m.id for _, m in stage.sent if isinstance(m.body, Order)]
+
+    stage = first(tmp_path)
+    for _ in range(2):
+        stage.inject("order", "A", add=1)
+    (name,) = told(stage)
+    stage = stage.again()
+    assert told(stage) == [name]
+    stage.deliver(replace(stage.mail("coordinator", Ok()), re=name))
+    assert len({*told(stage)}) == 2
+    stage.step(0, A="", B="")
+    assert told(stage.again()) == told(stage)[1:]
+
+
 def test_a_confirmed_order_is_not_told_again(tmp_path: Path) -> None:
     stage = first(tmp_path)
     stage.inject("order", "A", add=1)
