@@ -11,6 +11,9 @@ from pathlib import Path
 from ops.tables import InputError
 from reasoning.domain import domains, load
 
+TELLING = 3
+"""A name of fewer letters is part of too many others to say which was meant."""
+
 
 def shipped() -> dict[str, Path]:
     """The scenarios that come with muster: ``domain/name`` -> file."""
@@ -38,7 +41,8 @@ def missing(name: str, what: str, known: Iterable[str]) -> str:
         return f"a directory; expected a file, or a shipped {what} (muster list tells them all)"
     whole = {other: other.split("/")[-1] for other in known}
     stem = Path(name).stem
-    close = [short for short in whole.values() if stem in short] or get_close_matches(stem, whole.values())
+    close = [short for short in whole.values() if len(stem) >= TELLING and stem in short]
+    close = close or get_close_matches(stem, whole.values())
     like = [other for other, short in whole.items() if short in close]
     there = [other for other in like if other.split("/")[0] == name.split("/")[0]]
     meant = f"Did you mean {' or '.join(there or like)}? " if like else ""

@@ -185,6 +185,11 @@ def suspicion(asker: Asker, team: str, suspected: str, other: str, step: int | N
     if not (domain.folder / "why_suspect.lp").is_file():
         raise InputError(f"{asker.subject.name}: the domain {domain.name} cannot be asked about suspicions yet")
     case, findings, at = _case(asker.subject, team, step)
+    robots = {argument for fluent in case.before for argument in parse(fluent)[1] if isinstance(argument, str)}
+    robots |= {name for name, _ in case.guests}
+    for name in (suspected, other):
+        if name and name not in robots:
+            raise InputError(f"{name}: there is no such robot; there are {', '.join(sorted(robots))}")
     result = diagnose(case)
     most = len(broken_in(result.least[0])) if result.least else case.bound
     told = _listed(result.diagnoses) or "nothing that the team knows of"

@@ -99,12 +99,13 @@ def _recording(path: Path, as_json: bool) -> int:
 
 
 def _file(what: str) -> Path:
-    """A path, or ``domain/name`` of a shipped plan."""
+    """A path, or ``domain/name`` of a shipped plan. Raises `InputError`."""
     shipped = {f"{domain}/{name}": file for domain in domains() for name, file in load_domain(domain).plans.items()}
     path = Path(what)
-    if path.exists() or what not in shipped:
-        return path
-    return shipped[what]
+    if not path.exists() and what not in shipped:
+        there = f"{what}: neither a file, a recording nor a shipped plan. Shipped is {', '.join(shipped)}"
+        raise InputError(f"{there}; muster plan SCENARIO --json > plan.json makes others")
+    return path if path.exists() else shipped[what]
 
 
 def _table(violation: Violation) -> dict[str, object]:

@@ -131,6 +131,12 @@ def test_compile_writes_the_files(capsys: pytest.CaptureFixture[str], tmp_path: 
         (["run", "factory/one_worker", "--record", "/dev/null/x"], "cannot be made: Not a directory"),
         (["compile", "factory/one_worker", "-o", "/dev/null/x"], "cannot be made: Not a directory"),
         (["reference", "-o", "/dev/null/x"], "cannot be made: Not a directory"),
+        (
+            ["check", "factory/one_worker"],
+            "a recording nor a shipped plan. Shipped is factory/published;",
+        ),
+        (["diagnose", "factory/robot_mvd"], "Did you mean factory/robot_moved? muster list"),
+        (["diagnose", "factory/x"], "neither a file nor a shipped case. muster list"),
         (["inject", "brake", "T1.w1"], "unknown kind 'brake'. Supported: break ROBOT; move BODY"),
         (["inject", "pause", "T1"], "pause needs it"),
         (["inject", "drop", "T1", "share=2"], "share: expected a number from 0 to 1"),

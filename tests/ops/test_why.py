@@ -191,6 +191,8 @@ def test_what_a_recorded_run_says(capsys: pytest.CaptureFixture[str], tmp_path: 
     ("words", "said"),
     [
         (["factory/nowhere"], "neither a file nor a shipped scenario"),
+        (["factory/carrier_or_worker", "--suspected", "w7"], "w7: there is no such robot; there are c1, w1"),
+        (["factory/carrier_or_worker", "--not", "w7"], "w7: there is no such robot; there are c1, w1"),
         (["nothing.json"], "nothing.json: cannot be read"),
         ([PUBLISHED, "--action", "move(w1,right)", "--team", "T1"], "--action needs --step"),
         ([PUBLISHED, "--action", "move(w1,", "--step", "1", "--team", "T1"], "expected an action, as move(w1,right)"),
