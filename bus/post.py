@@ -178,7 +178,7 @@ class Post:
         self.answer(request, Ok())
 
     def _reply_to(self, request: Envelope, body: Body) -> Envelope:
-        return self.outbox.seal(body, re=request.id, message_id=f"re.{request.id}"[:64])
+        return self.outbox.seal(body, re=request.id, message_id=f"re.{request.id}")
 
     # ------------------------------------------------------------ events, signs of life
     def emit(self, kind: str, text: str, data: dict[str, object]) -> None:

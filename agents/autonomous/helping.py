@@ -96,18 +96,18 @@ class Help(msgspec.Struct, frozen=True):
 def pending(me: str, room: str, help_: Help) -> dict[str, tuple[str, Body]]:
     """By the request's id, to whom what is still to be said."""
     told: dict[str, tuple[str, Body]] = {}
-    mine = f"{me}.h.{me}{help_.number}"
+    mine = f"{me}.h.{me}.{help_.number}"
     if help_.phase == "calling":
         body = HelpCall(help_.number, help_.kind, help_.units, room, help_.strong, help_.about)
         told |= {f"{mine}.{peer}": (peer, body) for peer in help_.asked if peer not in help_.answers}
     if help_.phase == "confirming":
         told[f"{mine}.{help_.partner}.yes"] = help_.partner, HelpSettled(me, help_.number, True)
     for to, caller, number in help_.off:
-        told[f"{me}.h.{caller}{number}.{to}.off"] = to, HelpSettled(caller, number, False)
+        told[f"{me}.h.{caller}.{number}.{to}.off"] = to, HelpSettled(caller, number, False)
     if help_.phase in ("sending", "returning"):
         back = help_.phase == "returning"
         body_ = RobotSent(help_.caller, help_.call, help_.robot, help_.name, back)
-        told[f"{me}.h.{help_.caller}{help_.call}.{'back' if back else 'sent'}"] = help_.partner, body_
+        told[f"{me}.h.{help_.caller}.{help_.call}.{'back' if back else 'sent'}"] = help_.partner, body_
     return told
 
 

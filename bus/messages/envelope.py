@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import msgspec
 
 from bus.messages.acting import Execute, Executed, Observe, Observed
-from bus.messages.basics import Count, Name, Seconds
+from bus.messages.basics import Count, Id, Name, Seconds
 from bus.messages.clock import Done, Join, Tick
 from bus.messages.common import EventsAre, EventsFrom, Impair, Inject, Injected, Ok, Ping
 from bus.messages.helping import AtRest, HelpAnswer, HelpCall, HelpSettled, HelpStands, Present, RobotSent
@@ -24,7 +26,7 @@ class Envelope(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     src: Name
     inc: Count
     seq: Count
-    id: Name
+    id: Id
     at_s: Seconds
     body: (
         Execute | Executed | Observe | Observed | Enquire | Standing | Ask | Answer | Adopt | Adopted | Welcome | Go
@@ -33,5 +35,5 @@ class Envelope(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         | Contact | Order | ProcessFault | RunOver | Inject | Injected | Impair | Ping | Ok | EventsFrom | EventsAre
         | Event | Status | Frame | Beat | Join | Tick | Done
     )  # fmt: skip
-    re: str = ""
+    re: Annotated[str, msgspec.Meta(max_length=200)] = ""
     round: Count = 0

@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-from bus.messages.basics import Body, Count, Name, Text
+from bus.messages.basics import Body, Count, Name, Text, Units
 
 
 class Present(Body, frozen=True):
@@ -30,7 +30,7 @@ class HelpCall(Body, frozen=True):
 
     number: Count
     kind: Literal["want", "offer"]
-    units: Count
+    units: Units
     room: Name
     strong: bool = False
     about: Text = ""
@@ -43,7 +43,7 @@ class HelpAnswer(Body, frozen=True):
     number: Count
     yes: bool
     room: Name
-    units: Count = 0
+    units: Units = 0
     later: bool = False
     reason: Text = ""
 

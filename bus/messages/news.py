@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from bus.messages.basics import Body, Count, Name, Text
+from bus.messages.basics import Body, Count, Name, Text, Units
 
 
 class Contact(Body, frozen=True):
@@ -22,7 +22,7 @@ class Order(Body, frozen=True):
     team: Name
     added: tuple[Name, ...] = ()
     cancelled: tuple[Name, ...] = ()
-    deadline: Count | None = None
+    deadline: Units | None = None
 
 
 class ProcessFault(Body, frozen=True):

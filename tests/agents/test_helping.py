@@ -6,13 +6,16 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.autonomous import hearing, helping
 from agents.autonomous.helping import Help
-from bus.messages import Body, HelpAnswer, HelpCall, HelpSettled, HelpStands, RobotSent
+from bus.codec import Refusal, decode, encode
+from bus.messages import Body, Envelope, HelpAnswer, HelpCall, HelpSettled, HelpStands, RobotSent
 
+LONG, LONGER = "l" * 30, "l" * 31
 TEAMS = ("a", "b", "c")
 Mail = tuple[str, str, str, Body, str]
 """From, to, the request's id, the body, and what it is the reply to (or empty)."""
@@ -154,7 +157,7 @@ class House:
             if team.help.phase == "here":
                 assert self[team.help.partner].robot == team.name
 
-    def until(self, condition: Callable[[], bool], turns: int = 6000) -> None:
+    def until(self, condition: Callable[[], bool], turns: int = 30_000) -> None:
         for _ in range(turns):
             if condition():
                 return
@@ -254,3 +257,37 @@ def test_of_two_who_call_at_the_same_time_the_first_by_name_is_heard() -> None:
     assert answer.yes
     assert promised.phase == "promised"
     assert promised.off == (("a", "b", 1),)
+
+
+@pytest.mark.parametrize(
+    "help_",
+    [
+        Help("calling", 10**6, asked=(LONG,), caller=LONGER),
+        Help("confirming", 10**6, caller=LONGER, call=10**6, partner=LONG),
+        Help("sending", caller=LONG, call=10**6, partner=LONG, robot="a.r1", name="r1"),
+        Help("returning", caller=LONG, call=10**6, partner=LONG, robot="a.r1", name="r1"),
+        Help(off=((LONG, LONGER, 10**6),)),
+    ],
+    ids=lambda help_: help_.phase,
+)
+def test_teams_may_have_long_names(help_: Help) -> None:
+    """What they tell one another is no message if its id is too long: they would wait for ever."""
+    ((request, (_, body)),) = helping.pending(LONGER, "a", help_).items()
+    for name, re in ((request, ""), (f"re.{request}", request)):
+        sent = Envelope(1, "r", LONGER, 1, 1, name, 0.0, body, re)  # type: ignore[arg-type]
+        assert decode(encode(sent)) == sent
+
+
+def test_each_engagement_has_an_id_of_its_own() -> None:
+    off = (("T11", "T1", 12), ("T11", "T11", 2))
+    assert {body for _, body in helping.pending("T1", "a", Help(off=off)).values()} == {
+        HelpSettled("T1", 12, False),
+        HelpSettled("T11", 2, False),
+    }
+
+
+@pytest.mark.parametrize("body", [HelpCall(1, "offer", 2**40, "hall"), HelpAnswer(1, True, "hall", 2**40)])
+def test_nobody_plans_with_more_time_than_a_planner_can_count(body: Body) -> None:
+    refusal = decode(encode(Envelope(1, "r", "a", 1, 1, "a.1", 0.0, body)))  # type: ignore[arg-type]
+    assert isinstance(refusal, Refusal)
+    assert refusal.reason == "invalid"

@@ -130,6 +130,18 @@ def test_a_repeated_request_is_answered_again_but_delivered_once(bus: Bus, threa
     assert [r.inc for r in replies.items] == [1, 1, 2, 2]
 
 
+def test_replies_to_long_names_are_told_apart(bus: Bus, server: Node) -> None:
+    client = bus.node("client", outsider=True)
+    asked = {client.request("server", Observe("T1"), request_id="x" * 100 + tail) for tail in "ab"}
+    replies: dict[str, str] = {}
+    for turn in client.turns():
+        replies |= {message.re: message.id for message in turn.mail}
+        if len(replies) == 2:
+            client.stop()
+    assert set(replies) == asked
+    assert len({*replies.values()}) == 2
+
+
 def test_a_reply_goes_out_with_its_transaction(bus: Bus) -> None:
     """If the change is not kept, neither is the reply: the repeated request is handled anew."""
     server = bus.node("server", outsider=True)
