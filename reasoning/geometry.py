@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import combinations
 
 from reasoning.domain import Domain, load
@@ -107,35 +107,41 @@ def facts(problem: Problem) -> list[str]:
     return [] if known is None else list(room_facts(known))
 
 
-def interleave(problem: Problem, program: Program) -> Lessons | None:
+def interleave(problem: Problem, program: Program) -> None:
     """Let geometry take part in the program's searches, where the scenario wants that; what it has learned about the
-    room in earlier searches is known from the start. None where it does not.
+    room in earlier searches is known from the start.
 
     The program says in each step, in the predicates of `NAMES`, who stands and goes where and what is in the way.
     """
     known = room(problem.domain, problem.static, problem.state)
-    if known is None or known.level not in INTERLEAVED_LEVELS:
-        return None
-    learned = lessons(known)
-    program.register(MotionPropagator(NAMES, learned))
-    return learned
+    if known is not None and known.level in INTERLEAVED_LEVELS:
+        program.register(MotionPropagator(NAMES, lessons(known)))
 
 
 @lru_cache(maxsize=8)
 def lessons(known: Room) -> Lessons:
     """What is learned about a room, by all searches of this process."""
-    oracle = Oracle()
-    judge = RoomJudge(
-        oracle,
+    return Lessons(judge(known), LIMITS_M)
+
+
+def judge(known: Room) -> RoomJudge:
+    """Who knows the geometry of a room."""
+    return RoomJudge(
+        Oracle(),
         known.layout,
         point=lambda place: middle(cell(place)),
         radius_m=lambda _: known.robot_m,
         disc=lambda key: known.thing(cell(key[-1])),
-        payload=PayloadPlanner(oracle),
+        payload=_payload(),
         carried_m=known.thing_m,
         furniture_known=known.level in STATIC_LEVELS,
     )
-    return Lessons(judge, LIMITS_M)
+
+
+@cache
+def _payload() -> PayloadPlanner:
+    """One for all rooms, since it has a process of its own."""
+    return PayloadPlanner(Oracle())
 
 
 @lru_cache(maxsize=64)
@@ -169,7 +175,8 @@ def _between(known: Room, parts: list[list[Cell]]) -> list[str]:
     """Where a robot can stand, and what keeps it from where it cannot."""
     found = [f"part({_term(c)},{number})." for number, part in enumerate(parts) for c in part]
     standing = {c for part in parts for c in part}
-    found += [f"touches({_term(c)},{quoted(_touching(known, c))})." for c in known.cells if c not in standing]
+    touched = {c: [name for name, _ in _near(known, c)] or [WALL] for c in known.cells if c not in standing}
+    found += [f"touches({_term(c)},{quoted(_listed(names))})." for c, names in touched.items()]
     for (a, one), (b, other) in combinations(enumerate(parts), 2):
         names = quoted(between(known, one[0], other[0]))
         found += [f"apart({a},{b},{names}).", f"apart({b},{a},{names})."]
@@ -197,7 +204,8 @@ def between(known: Room, p: Cell, q: Cell) -> str:
         layout = Layout(known.layout.width_m, known.layout.height_m, tuple(corners for _, corners in without))
         if not Oracle().path_exists(layout, known.robot_m, middle(p), middle(q)):
             needed = without
-    return _listed([name for name, _ in needed])
+    names = [name for name, _ in needed]
+    return _listed(names if len(names) > 1 else [*names, WALL])
 
 
 def near(domain: Domain, static: Mapping[str, Value], states: Mapping[str, State]) -> list[str]:
@@ -227,15 +235,8 @@ def _needed_m(known: Room) -> float:
     return known.robot_m + MARGIN_M
 
 
-def _touching(known: Room, c: Cell) -> str:
-    names = [name for name, _ in _near(known, c)]
-    return names[0] if len(names) == 1 else _listed(names)
-
-
 def _listed(names: list[str]) -> str:
-    if len(names) < 2:
-        return f"{names[0]} and {WALL}" if names else WALL
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
 def _connected(known: Room, oracle: Oracle, p: Cell, q: Cell) -> bool:

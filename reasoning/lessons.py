@@ -43,6 +43,10 @@ class Judge(Protocol):
         obstacles that are needed. Nothing, if nothing is to be said. Lessons about other motions may be added."""
 
 
+REMEMBERED = 1 << 14
+"""So many questions to the judge are remembered; then they are forgotten, and asked again when they come up."""
+
+
 class Lessons:
     """What a judge has said, kept for all searches about one room."""
 
@@ -66,5 +70,7 @@ class Lessons:
                     if all(self.learned[n] != lesson for n in same):
                         same.append(len(self.learned))
                         self.learned.append(lesson)
+            if len(self._judged) >= REMEMBERED:
+                self._judged.clear()
             self._judged.add((motion, obstacles))
         return [n for n in known if self.learned[n].obstacles <= obstacles]

@@ -160,7 +160,7 @@ class _Judge:
     def _of(self, pieces: Pieces) -> Judge:
         if pieces not in self._judges:
             furniture = tuple(one for one in self._known.furniture if one[0] in pieces)
-            self._judges[pieces] = geometry.lessons(replace(self._known, furniture=furniture)).judge
+            self._judges[pieces] = geometry.judge(replace(self._known, furniture=furniture))
         return self._judges[pieces]
 
 

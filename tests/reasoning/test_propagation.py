@@ -186,6 +186,23 @@ def test_searches_for_other_lengths_and_replans_ask_nothing_twice(tmp_path: Path
     assert len(set(lessons.learned)) == len(lessons.learned)
 
 
+def test_what_was_judged_is_forgotten_in_the_end_and_what_was_learned_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("reasoning.lessons.REMEMBERED", 1)
+    judge = Counting()
+    lessons = Lessons(judge)
+    gap, free = Motion((RADIUS_M,), ("(1,0)",), ("(3,0)",)), Motion((RADIUS_M,), ("(0,0)",), ("(1,0)",))
+    filled = frozenset({("x", "(2,2)")})
+    (number,) = lessons.about(gap, filled)
+    assert [lessons.about(free, filled), lessons.about(gap, filled), lessons.about(gap, frozenset())] == [
+        [],
+        [number],
+        [],
+    ]
+    assert lessons.about(free, filled) == []
+    assert len(judge.questions) > len(set(judge.questions))
+    assert len(set(lessons.learned)) == len(lessons.learned)
+
+
 def shortest(loaded: Program) -> int:
     loaded.ground(("base", ()))
     for steps in range(1, 9):
