@@ -147,6 +147,24 @@ def test_a_plan_that_nobody_can_adopt_is_not_searched_for_ever(stage: Stage) -> 
     assert over.reason in str(needed["text"])
 
 
+def test_refusals_of_a_plan_count_from_the_last_one_that_was_adopted(stage: Stage) -> None:
+    def refuse() -> None:
+        stage.offers(T1)
+        stage.offers(T2)
+        stage.adopts(T1)
+        stage.adopts(T2, ok=False, reason="step 3: the checker objects")
+
+    refuse()
+    refuse()
+    stage.to("stepping")
+    stage.steps(T1, "refused", reason="its plan is over")
+    stage.steps(T2)
+    refuse()
+    refuse()
+    assert stage.system.coordinator.phase == "enquiring"
+    assert stage.system.over is None
+
+
 def test_a_given_plan_that_cannot_be_adopted_is_tried_once(make_system: MakeSystem) -> None:
     stage = Stage(make_system, plan=GivenPlan({T1: (("lineShift",),), T2: (("lineShift",),)}))
     stage.stands(T1)
@@ -165,6 +183,29 @@ def test_the_run_is_over_when_all_are_found_finished(stage: Stage) -> None:
         stage.stands(team, finished=True, lower_bound=0, step=4)
     stage.system.until(lambda: stage.system.over)
     assert stage.system.over == m.RunOver(True, "every team has reached its goal", 4, 0)
+
+
+def test_teams_that_have_nothing_to_do_from_the_start_agree_on_that(stage: Stage) -> None:
+    """A run has a plan before it is over, be it an empty one."""
+    for team in (T1, T2):
+        stage.stands(team, finished=True, lower_bound=0)
+    assert stage.hear(T1, m.Ask).body.question.kind == "alone"
+    assert not stage.system.said("run_over")
+
+
+def test_who_thinks_about_a_question_is_not_asked_again(stage: Stage) -> None:
+    stage.to("asking")
+    asked = stage.hear(T1, m.Ask)
+    stage.reply(T1, asked, m.Answer(stage.epoch, asked.body.question, "no"))
+    stage.hear(T1, m.Ask)
+    assert len([e for e in stage.system.puppet(T2).mail if isinstance(e.body, m.Ask)]) == 1
+
+
+def test_after_inspections_a_new_epoch_begins_whatever_they_found(stage: Stage) -> None:
+    stage.to("recovering")
+    epoch = stage.epoch
+    stage.steps(T1, "as_planned")
+    assert (stage.epoch, stage.system.coordinator.phase) == (epoch + 1, "enquiring")
 
 
 def test_the_last_word_is_said_again_by_the_next_life_and_recorded_once(stage: Stage) -> None:
