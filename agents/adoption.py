@@ -54,6 +54,13 @@ class Adoption:
             first = self._lenders_first(self.plan)
         return {**first} if first or not self._general else {**self._welcomes()}
 
+    def counted_on(self, team: str, answer: m.Adopted) -> bool:
+        """Does the plan that a team has adopted exchange all that other teams count on? One that was found anew, after
+        the team was killed, may exchange less than the one that answered the question."""
+        loans = self.plan.loans if isinstance(self.plan, Shared) else ()
+        takes = all(loan.takes < len(_of_kind(answer.took, loan.kind)) for loan in loans if loan.taker == team)
+        return takes and all(loan.gives < len(_of_kind(answer.gave, loan.kind)) for loan in loans if loan.giver == team)
+
     def exchanges(self) -> tuple[m.Exchange, ...]:
         """The exchanges of the plan as it was adopted."""
         return tuple(self._told(exchange) for exchange in self._exchanges())
@@ -130,8 +137,13 @@ class Adoption:
 
 
 def _nth(hands: tuple[m.Hand, ...], kind: str, number: int) -> m.Hand:
-    """That robot of the kind in the order of time. The published scheme names no kind."""
-    return [hand for hand in hands if kind in ("", hand.kind)][number]
+    """That robot of the kind in the order of time."""
+    return _of_kind(hands, kind)[number]
+
+
+def _of_kind(hands: tuple[m.Hand, ...], kind: str) -> list[m.Hand]:
+    """The published scheme names no kind."""
+    return [hand for hand in hands if kind in ("", hand.kind)]
 
 
 def _named(hands: tuple[m.Hand, ...], name: str) -> m.Hand | None:

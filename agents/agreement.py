@@ -102,9 +102,11 @@ class Agreement:
 
     def adopted(self, team: str, answer: m.Adopted) -> Progress:
         assert self.adoption is not None, "nobody was asked to adopt anything"
-        self.adoption.adopted[team] = answer
         if not answer.ok:
             return Refused(f"{team} cannot adopt its plan: {answer.reason}")
+        if not self.adoption.counted_on(team, answer):
+            return Refused(f"{team} cannot adopt its plan: it exchanges fewer robots than promised")
+        self.adoption.adopted[team] = answer
         return self._adopt_more(self.adoption)
 
     def _adopt_more(self, adoption: Adoption) -> Progress:

@@ -202,7 +202,9 @@ def test_who_thinks_about_a_question_is_not_asked_again(stage: Stage) -> None:
 
 
 def test_after_inspections_a_new_epoch_begins_whatever_they_found(stage: Stage) -> None:
-    stage.to("recovering")
+    stage.stands(T1, inspect=("w1",))
+    stage.stands(T2)
+    assert stage.system.coordinator.phase == "recovering"
     epoch = stage.epoch
     stage.steps(T1, "as_planned")
     assert (stage.epoch, stage.system.coordinator.phase) == (epoch + 1, "enquiring")

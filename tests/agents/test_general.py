@@ -9,10 +9,12 @@ import pytest
 
 from agents import course
 from agents.adoption import Adoption
+from agents.agreement import Agreement, Refused, Waiting
 from agents.guests import following, problem
 from agents.memory import Course, Memory
 from agents.questions import Planning
 from agents.recovery import still_on_course
+from agents.requests import Requests
 from agents.search import Search
 from agents.setups import GivenPlan
 from bus import messages as m
@@ -103,6 +105,22 @@ def test_all_adopt_at_once_and_hear_then_which_robots_come() -> None:
     assert adoption.exchanges() == (
         m.Exchange("w1", "A.w1", "A", 11, "B", 12, "w2"),
         m.Exchange("w2", "A.w1", "B", 15, "C", 16, "w7"),
+    )
+
+
+def test_who_adopts_a_plan_without_an_exchange_that_others_count_on_is_refused(make_system: MakeSystem) -> None:
+    """A team that was killed since it answered may find another plan for the same question."""
+    node = make_system({"T1": ALONE})["supervisor"].node
+    assert node is not None
+    agreement = Agreement(node, Requests(node), 1, 1, Market({}, most=ROBOTS, back=1))
+    agreement.adoption = Adoption(PASSED, 1, 10, "ABC", {}, general=True)
+    assert isinstance(agreement.adopted("A", adopted("A", gave=(Hand("worker", 11, "w1", "A.w1"),))), Waiting)
+    assert agreement.adopted("C", adopted("C")) == Refused(
+        "C cannot adopt its plan: it exchanges fewer robots than promised"
+    )
+    assert isinstance(agreement.adopted("B", adopted("B", took=(Hand("worker", 12, "w2"),))), Refused)
+    assert isinstance(
+        agreement.adopted("B", adopted("B", (Hand("tug", 15, "w2"),), (Hand("worker", 12, "w2"),))), Refused
     )
 
 
