@@ -291,3 +291,20 @@ def test_nobody_plans_with_more_time_than_a_planner_can_count(body: Body) -> Non
     refusal = decode(encode(Envelope(1, "r", "a", 1, 1, "a.1", 0.0, body)))  # type: ignore[arg-type]
     assert isinstance(refusal, Refusal)
     assert refusal.reason == "invalid"
+
+
+def test_a_newer_call_of_the_same_team_makes_its_older_one_void() -> None:
+    yes = HelpAnswer(1, True, "room")
+    promised, _ = hearing.heard_call("b", Help(), "a", HelpCall(1, "want", 5, "room"), yes)
+    again, answer = hearing.heard_call("b", promised, "a", HelpCall(2, "offer", 7, "room"), yes)
+    assert answer.yes
+    assert (again.phase, again.call, again.kind, again.units) == ("promised", 2, "offer", 7)
+
+
+def test_what_is_settled_stays_so_when_an_older_word_comes_late() -> None:
+    later, _ = hearing.heard_settled("b", Help(), "a", HelpSettled("a", 5, False))
+    late, _ = hearing.heard_settled("b", later, "a", HelpSettled("a", 3, False))
+    assert late.settled == {"a": 5}
+    for number, heard in ((5, False), (6, True)):
+        _, answer = hearing.heard_call("b", late, "a", HelpCall(number, "want", 5, "room"), HelpAnswer(1, True, "room"))
+        assert answer.yes is heard
