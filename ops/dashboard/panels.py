@@ -8,8 +8,9 @@ from bus.messages import Exchange
 from ops.dashboard import words
 from ops.dashboard.floor import bodies, floor, progress, robot
 from ops.dashboard.model import Model
-from ops.dashboard.teams import mark_of
+from ops.dashboard.teams import AWAY, mark_of
 from ops.dashboard.text import Block, ends, fit, joined, line, rule, sized, wrapped
+from ops.processes import ROUTER
 from reasoning.words import count
 
 
@@ -69,8 +70,11 @@ def events(model: Model, width: int, height: int) -> Block:
 
 
 def names(model: Model) -> list[str]:
-    """All processes heard of: the teams last, in their order."""
+    """All processes heard of: the teams last, in their order. The router says nothing, so it is among them only when
+    something is wrong with it."""
     known = {*model.pulses, *model.statuses, *model.contact}
+    if model.contact.get(ROUTER) not in AWAY:
+        known.discard(ROUTER)
     return sorted(known - set(model.teams)) + [t for t in model.teams if t in known]
 
 

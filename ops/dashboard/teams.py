@@ -125,7 +125,8 @@ def plan(status: Status | None, width: int, rows: int) -> Block:
     if rows <= 0:
         return []
     if status is None or not status.plan:
-        words = " nothing left to do" if status is not None and status.finished else " no plan yet"
+        begun = status is not None and status.step > 0
+        words = " nothing left to do" if status and status.finished else " no plan now" if begun else " no plan yet"
         return sized([line(width, (words, "dim"))], width, rows)
     now = min(max(status.step - status.start, 0), len(status.plan) - 1)
     done = status.finished or status.step - status.start >= len(status.plan)

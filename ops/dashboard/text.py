@@ -52,8 +52,9 @@ def joined(*parts: Part) -> Text:
 
 
 def ends(width: int, left: Text, right: Text, fill: tuple[str, str] = (" ", "")) -> Text:
-    """`left` and `right` at the two ends of one line; the left one gives way."""
-    right = right if right.cell_len <= width // 2 else fit(right, width // 2)
+    """`left` and `right` at the two ends of one line; the left one gives way, but not more than half of the line."""
+    most = max(width // 2, width - left.cell_len)
+    right = right if right.cell_len <= most else fit(right, most)
     room = width - right.cell_len
     start = left.copy()
     if start.cell_len > room:

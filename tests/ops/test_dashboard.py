@@ -161,6 +161,11 @@ def test_the_search_is_told_while_it_goes_on() -> None:
         assert f"asking about 23 steps · {words} · 35 questions" in picture(model, 80, 24)[1]
     model = folded([said("coordinator", msgspec.structs.replace(asking, best=27, bound=27))])
     assert "27 steps, proved shortest" in picture(model, 80, 24)[1]
+    conducting = Status("coordinator", "conducting", bound=22, best=22, questions=43)
+    later = Status("T1", "executing", step=15, start=15, plan=(("lineShift",),) * 22)
+    model = folded([said("coordinator", conducting), said("T1", later)])
+    told = " coordinator conducting · 22 steps from step 15, proved shortest · 43 questions"
+    assert picture(model, 80, 24)[1].rstrip() == told
 
 
 def test_that_a_person_is_needed_stands_out() -> None:
