@@ -13,7 +13,6 @@ import msgspec
 from bus.messages import Count, Name, Seconds, Step, Value
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
-Strict = {"forbid_unknown_fields": True}
 
 
 class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

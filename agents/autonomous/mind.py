@@ -29,7 +29,8 @@ T = TypeVar("T")
 
 
 class Mind:
-    """`memory` is what the team must not forget; it changes by `keep` alone. `wait_s` is the time of a unit."""
+    """`memory` is what the team must not forget; it changes by `keep` alone. `unit_s` is the time of a unit, `delay`
+    the units that a robot takes from room to room."""
 
     def __init__(self, node: Node, setup: TeamSetup, thinker: Thinker) -> None:
         self.node, self.setup, self.thinker = node, setup, thinker

@@ -34,7 +34,6 @@ class Words(msgspec.Struct, frozen=True):
     area: str
     most: str
     go: str
-    take: str
     free: str
     leave: str
     enter: str
@@ -150,7 +149,6 @@ def words(domain: str | Domain) -> Words:
         area=data.geometry["area"],
         most=data.costs["most"],
         go=action("follow"),
-        take=action("grasp"),
         free=action("release"),
         leave=action("leave"),
         enter=action("enter"),
