@@ -5,7 +5,7 @@ Every event carries ``text``, one plain sentence for people, besides the fields 
 
 KINDS: dict[str, str] = {
     # any process
-    "started": "a process is up: incarnation, role, recovered (true when it came back from a journal)",
+    "started": "a process is up: incarnation, role, recovered (it came back from a journal); of the world also step",
     "refused": "messages were refused: reason, count",
     # world
     "step_started": "team, step, command (id of the Execute), actions",
@@ -17,7 +17,7 @@ KINDS: dict[str, str] = {
     "contact": "name, state: present, lost_contact, back, stopped",
     "order": "team, added, cancelled; deadline (units since the run began, 0: none) if that has changed",
     # team agent
-    "plan_adopted": "team, epoch, start, makespan, role",
+    "plan_adopted": "team, epoch, start, makespan, role; of a team that acts for itself also status, proof",
     "discrepancy": "team, step, differing",
     "diagnosis": "team, step, causes (list of lists, sorted)",
     "inspection": "team, robot, finding",
@@ -58,10 +58,10 @@ KINDS: dict[str, str] = {
     "helper_returned": "team, robot, of (whom it has helped): it is back where it was",
     # coordinator
     "search_started": "epoch, step, reason",
-    "question": "epoch, team, role, within, step, verdict",
+    "question": "epoch, team, role, within, step, verdict; where sharing is general also gives, takes",
     "bound": "epoch, lower, best",
-    "shared_plan": "epoch, start, makespan, proof, exchanges",
-    "exchange": "worker, giver, give_step, taker, take_step, known_as",
+    "shared_plan": "epoch, start, makespan, status (optimal, feasible, given), proof, exchanges, questions",
+    "exchange": "robot (as it was built), worker (its name in the giver), giver, give_step, taker, take_step, known_as",
     "run_over": "goal, reason, makespan, replans",
     # coordinator, supervisor
     "needs_person": "cause (no_plan, plan_refused, gave_up, too_long): the system cannot go on by itself",
