@@ -7,9 +7,10 @@ and are validated by `reasoning.setup`; everything else is fixed here. See `Scen
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from re import findall
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -148,6 +149,7 @@ def parse(table: Table, path: Path, text: str = "") -> Scenario:
         raise InputError(place(path, text, ["fault"]) + "expected a list of tables: write [[fault]]")
     processes = ("world", "coordinator", *file.teams)
     names = Names(teams=tuple(file.teams), processes=processes)
+    actions = tuple(load_domain(file.domain).data.actions)
     scenario = Scenario(
         name=path.stem,
         path=path,
@@ -157,7 +159,7 @@ def parse(table: Table, path: Path, text: str = "") -> Scenario:
         seed=file.seed,
         clock=file.clock,
         setup={**whole, "teams": common["teams"]},
-        faults=tuple(_fault(fault, number, path, text, names) for number, fault in enumerate(faults)),
+        faults=tuple(_fault(fault, number, path, text, names, actions) for number, fault in enumerate(faults)),
         verdict=file.verdict,
         limits=file.limits,
         record=file.record,
@@ -167,8 +169,9 @@ def parse(table: Table, path: Path, text: str = "") -> Scenario:
     return scenario
 
 
-def _fault(table: Any, number: int, path: Path, text: str, names: Names) -> Fault:
-    """One ``[[fault]]``: kind, target, one trigger; every other key is an argument of the kind."""
+def _fault(table: Any, number: int, path: Path, text: str, names: Names, actions: Collection[str]) -> Fault:
+    """One ``[[fault]]``: kind, target, one trigger; every other key is an argument of the kind. `actions` are the names
+    of those that the domain has."""
     at = ["fault", str(number)]
     if not isinstance(table, dict):
         raise InputError(place(path, text, at) + "expected a table: write [[fault]]")
@@ -181,8 +184,14 @@ def _fault(table: Any, number: int, path: Path, text: str, names: Names) -> Faul
         raise InputError(place(path, text, at) + f"expected exactly one of {', '.join(_TRIGGERS)}; it {what}")
     if wrong := problem(fault.kind, fault.target, fault.args, names):
         raise InputError(place(path, text, [*at, wrong[0]]) + wrong[1])
-    if fault.on_action is not None and fault.on_action.partition(".")[0] not in names.teams:
-        raise InputError(place(path, text, [*at, "on_action"]) + "expected TEAM.ACTION, for instance T1.move(w1,right)")
+    if fault.on_action is not None:
+        team, _, action = fault.on_action.partition(".")
+        if team not in names.teams:
+            expected = "expected TEAM.ACTION, for instance T1.move(w1,right)"
+            raise InputError(place(path, text, [*at, "on_action"]) + expected)
+        if (name := action.partition("(")[0]) not in actions:
+            expected = f"expected TEAM.ACTION with an action of the domain: {', '.join(actions)}; not {name!r}"
+            raise InputError(place(path, text, [*at, "on_action"]) + expected)
     return fault
 
 
@@ -192,6 +201,10 @@ def _check_patterns(scenario: Scenario) -> None:
             if pattern.get("event") not in EVENTS:
                 expected = f"expected event = one of {', '.join(EVENTS)}; not {pattern.get('event')!r}"
                 raise scenario.complaint(["verdict", which, str(number), "event"], expected)
+            said = EVENTS[pattern["event"]]
+            for field in sorted(pattern.keys() - {"event", "source", "text", *findall(r"\w+", said)}):
+                expected = f"{pattern['event']} has no such field; it has source, text; {said}"
+                raise scenario.complaint(["verdict", which, str(number), field], expected)
 
 
 def _plan(file: _File, path: Path, text: str) -> Path | None:

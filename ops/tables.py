@@ -23,6 +23,11 @@ _KEY = re.compile(r"""\s*(["']?)([\w.-]+)\1\s*=""")
 _UNKNOWN = re.compile(r"Object contains unknown field `(.*?)`")
 _MISSING = re.compile(r"Object missing required field `(.*?)`")
 
+_WORDS = {
+    "int": "a whole number", "float": "a number", "str": "text", "bool": "true or false", "object": "a table",
+    "array": "a list",
+}  # fmt: skip
+
 
 class InputError(Exception):
     """The user's input is wrong; the message says where and what was expected."""
@@ -79,7 +84,8 @@ def convert(table: object, to: type[T], path: Path, text: str, at: Sequence[str]
         elif missing := _MISSING.search(message):
             keys, message = [*keys, missing[1]], "is missing"
         else:
-            message = message[:1].lower() + message[1:]
+            message = _in_words(message[:1].lower() + message[1:])
+            message += _choices(to, keys[len(at) :]) if message.startswith("invalid enum value") else ""
         raise InputError(place(path, text, keys) + message) from error
 
 
@@ -138,17 +144,39 @@ def _value(written: str, assignment: str) -> object:
         raise InputError(f"--set {assignment}: {expected}") from None
 
 
+def _in_words(message: str) -> str:
+    """The message with words for the names of types."""
+
+    def words(found: re.Match[str]) -> str:
+        return " or ".join(_WORDS.get(name, name) for name in found[1].split(" | ") if name != "null")
+
+    return re.sub(r"`([^`]*)`", words, message)
+
+
 def _known(to: object, keys: Sequence[str]) -> str:
     """The keys that were possible at that place, for the message."""
     try:
-        info: Any = msgspec.inspect.type_info(to)
-        for key in keys:
-            if key.isdecimal():
-                info = info.item_type
-            else:
-                info = next(field.type for field in info.fields if field.encode_name == key)
-            if isinstance(info, msgspec.inspect.UnionType):
-                info = next(option for option in info.types if hasattr(option, "fields"))
-        return "; known here: " + ", ".join(field.encode_name for field in info.fields)
+        return "; known here: " + ", ".join(field.encode_name for field in _type_at(to, keys).fields)
     except (AttributeError, StopIteration):
         return ""
+
+
+def _choices(to: object, keys: Sequence[str]) -> str:
+    """The values that were possible at that place, for the message."""
+    try:
+        return "; expected " + " or ".join(map(str, _type_at(to, keys).values))
+    except (AttributeError, StopIteration):
+        return ""
+
+
+def _type_at(to: object, keys: Sequence[str]) -> Any:
+    """What msgspec knows of the type at that place. Raises AttributeError or StopIteration where it knows nothing."""
+    info: Any = msgspec.inspect.type_info(to)
+    for key in keys:
+        if key.isdecimal():
+            info = info.item_type
+        else:
+            info = next(field.type for field in info.fields if field.encode_name == key)
+        if isinstance(info, msgspec.inspect.UnionType):
+            info = next(option for option in info.types if hasattr(option, "fields"))
+    return info
