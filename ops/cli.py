@@ -45,6 +45,7 @@ def parser(wanted: str | None = None) -> argparse.ArgumentParser:
             sub.formatter_class = argparse.RawDescriptionHelpFormatter
             sub.epilog = getattr(module, "EPILOG", None)
             module.configure(sub)
+            sub.set_defaults(complain=sub.error)
     return top
 
 
@@ -53,7 +54,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     began = wall_s()
     words = list(sys.argv[1:] if argv is None else argv)
     top = parser(next((word for word in words if not word.startswith("-")), None))
-    args = top.parse_args(words, argparse.Namespace(began=began))
+    args, unknown = top.parse_known_args(words, argparse.Namespace(began=began, complain=top.error))
+    if unknown:  # said by the command itself, with its usage
+        args.complain(f"unrecognized arguments: {' '.join(unknown)}")
     if args.version:
         from importlib.metadata import PackageNotFoundError, version
 

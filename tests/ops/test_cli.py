@@ -167,6 +167,8 @@ def test_wrong_input_is_said_and_exits_with_two(
         (["inject", "break"], "arguments are required: TARGET\n"),
         (["bench"], "arguments are required: NAME\n"),
         (["plan", "factory/one_worker", "--budget", "soon"], "expected seconds, 0 or more, not soon"),
+        (["watch", "--json"], "usage: muster watch [-h] [--run NAME]"),
+        (["list", "there"], "muster list: error: unrecognized arguments: there\n"),
     ],
 )
 def test_what_is_missing_or_no_number_is_told(
