@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import pytest
 
+from bus import pace
 from bus.clock import run_world, wall_s
 from bus.messages import Envelope, Observe, Observed
 from bus.node import Node
@@ -71,6 +72,17 @@ def test_after_a_hold_up_time_catches_up_without_a_leap(memory_bus: Bus, threads
     steps = simulation.steps.wait(lambda items: items and items[-1][1] > 1.5)
     assert max(later[1] - earlier[1] for earlier, later in pairwise(steps)) <= 0.041
     assert (steps[-1][1] - steps[0][1]) / (steps[-1][0] - steps[0][0]) > 0.6, "it has caught up"
+
+
+def test_what_time_is_behind_too_much_is_given_up(
+    memory_bus: Bus, threads: Threads, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pace, "OWED_S", 0.2)
+    _, simulation, agent = start(memory_bus, threads, factor=1.0, hold_s=0.6)
+    threads.start(lambda: list(agent.turns()))
+    steps = simulation.steps.wait(lambda items: items and items[-1][1] > 2.0)
+    behind_s = (steps[-1][0] - steps[0][0]) - (steps[-1][1] - steps[0][1])
+    assert behind_s > 0.35, "of 0.6 s that nothing went on, 0.2 are made up for"
 
 
 def test_mail_is_handled_as_it_arrives(memory_bus: Bus, threads: Threads) -> None:
