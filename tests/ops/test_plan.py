@@ -39,6 +39,7 @@ def test_one_worker_and_three_boxes_take_29_steps(capsys: pytest.CaptureFixture[
     assert (code, json.loads(out)["violations"]) == (0, [])
 
 
+@pytest.mark.slow
 def test_two_teams_lend(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     more = [word for assignment in LENDING for word in ("--set", assignment)]
     code, out, _ = run(capsys, "plan", "factory/broken_worker", "--json", *more)
@@ -79,6 +80,7 @@ def test_a_search_that_is_cut_short_says_that_it_does_not_know(capsys: pytest.Ca
     assert told["seconds"] < 20
 
 
+@pytest.mark.slow
 def test_a_budget_is_kept(capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = run(capsys, "plan", "factory/four_teams", "--json", "--budget", "5", "--set", "teams.T2.boxes=8")
     told = json.loads(out)
