@@ -37,7 +37,7 @@ KINDS: dict[str, str] = {
     "new_way": "team, step, robot: another way from where the robot stands to the plan's next state",
     "waited": "team, step: a unit of time, for a person to go away",
     "safe_state": "team, step, robot: the robot goes to the middle of a cell, from where can be planned",
-    "made_way": "team, step, robot, reason: the robot steps aside, so that another one gets past it",
+    "made_way": "team, step, robot, reason: the robot steps aside, so that another one, or a person, gets past it",
     "stays": "team, step, robot: the robot stays between cells, since it does not get to any",
     "plan_dropped": "team, step, reason",
     "final_look": "team, step: the plan is over, and the whole room is looked at again",

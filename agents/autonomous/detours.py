@@ -4,6 +4,7 @@ another plan."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import dist
 
 from agents.autonomous import recovering
 from agents.autonomous.escort import Execute
@@ -31,6 +32,8 @@ class Detours:
             if self.make_way(error):
                 return
             if mind.words.persons(now.state) and now.waited < recovering.PATIENCE_UNITS:
+                if now.waited == recovering.FACING_UNITS and self.give_way(error.robot):
+                    return
                 mind.keep(waited=now.waited + 1)
                 mind.wait(1)
                 self._go_on()
@@ -68,6 +71,23 @@ class Detours:
             self._execute("aside", (recovering.term(call),), (call,))
             return True
         return False
+
+    def give_way(self, robot: str) -> bool:
+        """A robot steps off the line on which the nearest person comes, and waits until that one may have gone by; then
+        all is planned anew. False if it cannot, or robots did so too often."""
+        mind, now = self.mind, self.mind.memory
+        people, here = recovering.people(mind.words, now.state), mind.words.point(now.state, robot)
+        person = min(((x, y) for x, y, _ in people), key=lambda at: dist(at, here))
+        at = mind.ways.passing(now.state, robot, person, people)
+        if at is None or now.asides >= recovering.MOST_GIVEN_WAY:
+            return False
+        call = mind.ways.driving(now.state, robot, {robot: at}, people)
+        mind.keep(course=None, need=None, asides=now.asides + 1)
+        mind.wait(recovering.PASSING_UNITS)
+        text, reason = f"has {robot} step aside to ({at[0]},{at[1]})", "a person may be waiting for it to go"
+        mind.emit("made_way", f"{text}: {reason}", step=now.step, robot=robot, reason=reason)
+        self._execute("aside", (recovering.term(call),), (call,))
+        return True
 
     def to_safety(self) -> bool:
         """Robots between cells go to the middle of one, from where can be planned. Those that have no way to any stay

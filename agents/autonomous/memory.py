@@ -36,14 +36,14 @@ class Memory(msgspec.Struct, frozen=True):
     `need` the help that is needed after it. `aside` says for each thing that is left as it is why; `late`: the deadline
     does not count any more, `deadline` is another one than it was set up with (negative: it is not), `alone`: nobody
     can help. `stopped` tells where robots were to go that stopped on their way, `waited` for how many units they have
-    waited for people, `held` how often they were held up; `asides` is how often robots stepped aside, `stuck` are
-    robots between cells that have no way to any; `never` are ways that were found impossible, `broken` tells where
-    robots stand that are done without. Nothing is done before `until_s`. `peers` are the other teams in contact (None:
-    the coordinator has not said so yet) as of its message number `told`, `known` all that may be; `stood` is the cell
-    where the robot stood that helps elsewhere, `silent_s` since when the partner in help under way has been out of
-    contact (negative: it is not), `recalls` how often the robot was called home, `gone` are guests that their own teams
-    have called home; `offered`: help was offered since it was last asked for. `resting`: there is nothing more to do
-    here; `rest` is the latest report of that, `reported` whether it still holds."""
+    waited for people, `held` how often they were held up; `asides` is how often robots stepped aside for one another or
+    for people, `stuck` are robots between cells that have no way to any; `never` are ways that were found impossible,
+    `broken` tells where robots stand that are done without. Nothing is done before `until_s`. `peers` are the other
+    teams in contact (None: the coordinator has not said so yet) as of its message number `told`, `known` all that may
+    be; `stood` is the cell where the robot stood that helps elsewhere, `silent_s` since when the partner in help under
+    way has been out of contact (negative: it is not), `recalls` how often the robot was called home, `gone` are guests
+    that their own teams have called home; `offered`: help was offered since it was last asked for. `resting`: there is
+    nothing more to do here; `rest` is the latest report of that, `reported` whether it still holds."""
 
     step: int = 0
     plans: int = 0

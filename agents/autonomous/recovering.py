@@ -4,7 +4,7 @@
 |------------------|------------------------------------------------------------------------------------------------|
 | unknown_object   | another way to the plan's next state, from where the robot stands; if there is none, to a safe |
 |                  | cell, and plan with the object known                                                           |
-| person_in_way    | wait a unit, then another way                                                                  |
+| person_in_way    | wait a unit, then another way; after many units step aside, for the person may wait, too       |
 | held_up          | wait a unit, then another way, one robot after the other, while those in between step aside;   |
 |                  | after some such, plan anew without that way                                                    |
 | object_not_found | look, plan anew                                                                                |
@@ -47,6 +47,12 @@ DOING = {
 }
 PATIENCE_UNITS = 40
 """So long is waited for a person who stands in the way."""
+FACING_UNITS = 20
+"""So long a robot stands in front of a person who does not go away, who may be waiting for it in turn; then it steps
+aside, and stays there for a while."""
+PASSING_UNITS = 6
+MOST_GIVEN_WAY = 3
+"""So often robots step aside for people."""
 HELD_UP_TIMES = 4
 """So often another way is tried where nothing is known to be in the way."""
 MOST_ASIDE = 12

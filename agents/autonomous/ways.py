@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 
+from agents.autonomous.passing import lets_by
 from agents.autonomous.words import Words
 from bus.messages import SkillCall, Value
 from reasoning.geometry import Cell, Room, middle
@@ -164,13 +165,8 @@ class Ways:
         none. `discs` are obstacles besides what lies and who stands about."""
         x, y = self._words.point(state, robot)
         for c in sorted(self._room.cells, key=lambda c: (math.dist((x, y), middle(c)), c)):
-            if c not in taken:
-                try:
-                    self.way(state, robot, {robot: c}, discs)
-                except NoWay:
-                    continue
-                if suits(c):
-                    return c
+            if c not in taken and self._goes(state, robot, {robot: c}, discs) and suits(c):
+                return c
         return None
 
     def nearest_cells(
@@ -182,13 +178,16 @@ class Ways:
         free = [c for c in self._room.cells if c in own or c not in taken]
         pairs = [(c, d) for c in free for d in free if abs(c[0] - d[0]) + abs(c[1] - d[1]) == 1]
         pairs.sort(key=lambda pair: (math.dist(here, middle(pair[0])) + math.dist(there, middle(pair[1])), pair))
-        for goals in ({robot: c, partner: d} for c, d in pairs[:NEARBY]):
-            try:
-                self.way(state, robot, goals, discs)
-            except NoWay:
-                continue
-            return goals
-        return {}
+        nearby = ({robot: c, partner: d} for c, d in pairs[:NEARBY])
+        return next((goals for goals in nearby if self._goes(state, robot, goals, discs)), {})
+
+    def _goes(self, state: State, robot: str, goals: Mapping[str, Cell], discs: Iterable[Disc]) -> bool:
+        """Has it a way?"""
+        try:
+            self.way(state, robot, goals, discs)
+        except NoWay:
+            return False
+        return True
 
     def aside(self, state: State, blocker: str, refused: NoWay, discs: Sequence[Disc]) -> Cell | None:
         """The nearest cell to which a robot can step aside, round `discs` too, so that another one does not have to get
@@ -209,6 +208,15 @@ class Ways:
 
         others = (words.cell(state, other) for other in words.robots(state))
         return self.nearest_cell(state, blocker, {*others, *refused.goals.values()}, discs, suits)
+
+    def passing(self, state: State, robot: str, person: Point, discs: Sequence[Disc]) -> Cell | None:
+        """As `aside`, for a `person` who comes towards the robot."""
+        words, held = self._words, self._words.held(state, robot)
+        if held is not None and len(words.ends(state, held[0])) == 2:
+            return None
+        others = {other: words.point(state, other) for other in words.robots(state) if other != robot}
+        suits = lets_by(self._room, self._oracle, words.point(state, robot), person, [*others.values()])
+        return self.nearest_cell(state, robot, {words.cell(state, other) for other in others}, discs, suits)
 
     def _carried(
         self, first: tuple[Point, Point], second: tuple[Point, Point], lying: Sequence[Disc]

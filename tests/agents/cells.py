@@ -24,14 +24,16 @@ def grip(holds: tuple[str, int] | None) -> str:
     return "none" if holds is None else f"grip({holds[0]},{holds[1]})"
 
 
-def stop_before(points: list[tuple[float, float]], at: tuple[float, float]) -> tuple[float, float] | None:
-    """Where a robot on this way stops before it touches something at `at`; None if it does not."""
+def stop_before(
+    points: list[tuple[float, float]], at: tuple[float, float], near_m: float
+) -> tuple[float, float] | None:
+    """Where a robot on this way stops before it comes so near to something at `at`; None if it does not."""
     for (ax, ay), (bx, by) in pairwise(points):
         pieces = max(1, math.ceil(math.hypot(bx - ax, by - ay) / 0.05))
         before = (ax, ay)
         for k in range(1, pieces + 1):
             here = ax + (bx - ax) * k / pieces, ay + (by - ay) * k / pieces
-            if math.dist(here, at) < 0.37 and math.dist(here, at) < math.dist(before, at):
+            if math.dist(here, at) < near_m and math.dist(here, at) < math.dist(before, at):
                 return before
             before = here
     return None

@@ -207,7 +207,7 @@ class Rooms:
             (None, at) for where, at, until_s in self.persons.values() if where == robot.team and self.now_s < until_s
         ]
         for other, at in [*blocks, *people]:
-            stop = stop_before(points, (at[0] + 0.5, at[1] + 0.5))
+            stop = stop_before(points, (at[0] + 0.5, at[1] + 0.5), 0.6 if other is None else 0.37)
             if stop is not None:
                 robot.pose, robot.at, felt[robot.name] = stop, (int(stop[0]), int(stop[1])), "blocked"
                 if other is not None:

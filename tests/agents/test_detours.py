@@ -9,11 +9,12 @@ from typing import Any
 
 import pytest
 
+from agents.autonomous import recovering
 from agents.autonomous.ways import NoWay, Ways
 from agents.autonomous.words import words
 from bus.messages import State
 from reasoning.geometry import Room
-from tests.agents.house import DOMAIN, Home, Thing
+from tests.agents.house import DOMAIN, UNIT_S, Home, Thing
 
 SHELF = ((0.0, 1.0), (4.0, 1.0), (4.0, 2.0), (0.0, 2.0))
 """It leaves a corridor, which is a cell wide, and a square of four cells in the east."""
@@ -45,6 +46,15 @@ def test_who_stands_in_the_way_is_named_and_finds_a_place_to_step_aside() -> Non
     assert ways(SHELF).aside(state, "r1", refused.value, [(4.5, 1.5, 0.35)]) is None
     beam = {"at(beam)": "(3,0)", "end(beam)": "(2,0)", "kind(beam)": "beam", "connected(r1)": "grip(beam,1)"}
     assert ways(SHELF).aside({**state, **beam}, "r1", refused.value, ()) is None
+
+
+def test_who_faces_a_person_finds_a_place_off_the_line_on_which_that_one_comes() -> None:
+    person, discs, state = (2.7, 0.5), [(2.7, 0.5, 0.35)], {**robots(r1="(3,0)"), "pose(r1)": "(3300,630)"}
+    assert ways(SHELF).passing(state, "r1", person, discs) == (4, 1)
+    assert ways(SHELF).passing({**state, **robots(r2="(4,1)")}, "r1", person, discs) == (5, 1)
+    assert ways(SHELF).passing(state, "r1", (4.5, 0.5), [(4.5, 0.5, 0.35)]) is None
+    beam = {"at(beam)": "(3,0)", "end(beam)": "(2,0)", "kind(beam)": "beam", "connected(r1)": "grip(beam,1)"}
+    assert ways(SHELF).passing({**state, **beam}, "r1", person, discs) is None
 
 
 def test_robots_go_from_where_they_are_too_near_to_something() -> None:
@@ -104,3 +114,40 @@ def test_who_has_no_way_to_any_cell_stays_and_the_run_ends_in_words(corridor: Ho
     assert not over.goal
     assert "novel" in over.reason
     assert "stays" in corridor.kinds("living")
+
+
+@pytest.fixture
+def faced(tmp_path: Path) -> Iterator[Home]:
+    """Only one robot, at the end of the corridor, and a person in it."""
+    shelf = {"name": "shelf", "corners": [[round(100 * x), round(100 * y)] for x, y in SHELF]}
+    living = {
+        "room": "living_room",
+        "width": 6,
+        "height": 2,
+        "deposit": [5, 5, 0, 0],
+        "robots": [{"name": "r1", "at": [5, 0]}],
+        "things": [{"name": "novel", "kind": "novel", "at": [0, 0]}],
+        "furniture": [shelf],
+    }
+    home = Home(tmp_path / "faced", {"living": living})
+    home.world.persons["anna"] = ("living", (1, 0), math.inf)
+    yield home
+    home.close()
+
+
+def test_who_faces_a_person_in_a_corridor_lets_that_one_by(faced: Home) -> None:
+    """Neither of the two can go on before the other one has gone."""
+    robot = faced.world.robots["living.r1"]
+    faced.until(lambda: "made_way" in faced.kinds("living") and robot.pose is None)
+    assert robot.at == (4, 1)
+    del faced.world.persons["anna"]
+    assert faced.end().goal
+    assert faced.now_s < recovering.PATIENCE_UNITS * UNIT_S
+    assert faced.kinds("living").count("made_way") == 1
+
+
+def test_a_person_who_stands_there_for_ever_is_given_up_all_the_same(faced: Home) -> None:
+    faced.until(lambda: "plan_dropped" in faced.kinds("living"))
+    assert faced.kinds("living").count("made_way") == recovering.MOST_GIVEN_WAY
+    waiting = recovering.FACING_UNITS + recovering.PASSING_UNITS
+    assert faced.now_s < (recovering.MOST_GIVEN_WAY * (waiting + 3) + recovering.PATIENCE_UNITS + 3) * UNIT_S
