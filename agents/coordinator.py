@@ -76,7 +76,6 @@ class Coordinator:
                 self.requests.withdraw(body.name)
             self._changed(change)
         elif isinstance(body, m.Order):
-            self.steps.finished.discard(body.team)
             self._changed(f"the order of {body.team} changed")
 
     def _changed(self, reason: str) -> None:

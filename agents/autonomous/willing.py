@@ -33,6 +33,8 @@ def willing(
     doors = words.doors(static, now.state).get(call.room, [])
     if not doors:
         return _no(call, room, f"no door leads to {call.room}")
+    if room not in words.doors_of(static, call.room):
+        return _no(call, room, f"no door leads from {call.room} to {room}")
     if call.kind == "want":
         return _spares(words, static, now, call, delay, room)
     return _gains(words, thinking, now, call, room, doors)

@@ -117,10 +117,14 @@ class Words(msgspec.Struct, frozen=True):
 
     def doors(self, static: Mapping[str, Value], state: State) -> dict[str, list[Cell]]:
         """By the name of the room next door, the cells by which robots go there."""
+        return self.doors_of(static, self.here(state))
+
+    def doors_of(self, static: Mapping[str, Value], room: str) -> dict[str, list[Cell]]:
+        """The same of any room of the house."""
         found = {}
         for key, value in static.items():
             match parse(key):
-                case name, (here, there) if name == self.area and here == self.here(state) and there != here:
+                case name, (here, there) if name == self.area and here == room and there != here:
                     west, east, south, north = (int(v) for v in parse(str(value))[1])
                     found[str(there)] = [(x, y) for x in range(west, east + 1) for y in range(south, north + 1)]
         return found

@@ -198,3 +198,19 @@ def test_a_changed_order_has_a_team_at_rest_look_again(make: Make) -> None:
     home.world.node.request("coordinator", Order("living", ("comics_1",)))
     assert home.end().goal
     assert home.world.things["comics_1"].at[0] == 5
+
+
+def test_nobody_helps_who_could_not_let_a_helper_in(make: Make) -> None:
+    """Of two rooms one may know a door to the other, and not the other way round."""
+    study = room("study", [("r3", 1, 1, {"light_weight": 1})], [], **TO_LIVING)
+    to_study = {"exchange": [{"to": "study", "area": [0, 0, 3, 3]}]}
+    home = make({"living": living(RUG, **to_study), "kitchen": kitchen(("mug_1", "mug", 2, 2)), "study": study})
+    weigh(home, "rug", (3, 2))
+    over = home.end()
+    assert "living leaves rug as it is" in over.reason
+    assert "helper_left" not in home.kinds()
+    answers = [event.data for _, event in home.events if event.kind == "help_answered"]
+    assert {(a["team"], a["reason"]) for a in answers} == {
+        ("kitchen", "no door leads from living_room to kitchen"),
+        ("study", "it has no robot that can"),
+    }
