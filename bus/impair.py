@@ -7,10 +7,12 @@ threads, not on time. A message that is sent again gets another chance.
 from __future__ import annotations
 
 import random
-from collections import Counter
 from typing import NamedTuple
 
 from bus.messages import Impair
+
+REMEMBERED = 10_000
+"""Of so many messages it is known how often they were sent; those that were not sent for longest are forgotten."""
 
 
 class Fate(NamedTuple):
@@ -26,7 +28,8 @@ class Impairments:
 
     def __init__(self) -> None:
         self._by_receiver: dict[str, Impair] = {}
-        self._sent: Counter[tuple[str, str]] = Counter()
+        self._sent: dict[tuple[str, str], int] = {}
+        """How often each message was sent, that of the latest last."""
 
     def set(self, impair: Impair) -> None:
         """Put an impairment in force; one without effect ends the one before it."""
@@ -40,8 +43,11 @@ class Impairments:
         impair = self._by_receiver.get(receiver) or self._by_receiver.get("*")
         if impair is None:
             return Fate()
-        self._sent[receiver, message_id] += 1
-        dice = random.Random(f"{impair.seed} {receiver} {message_id} {self._sent[receiver, message_id]}")
+        times = self._sent.pop((receiver, message_id), 0) + 1
+        self._sent[receiver, message_id] = times
+        if len(self._sent) > REMEMBERED:
+            del self._sent[next(iter(self._sent))]
+        dice = random.Random(f"{impair.seed} {receiver} {message_id} {times}")
         if dice.random() < impair.drop:
             return Fate(now=0)
         copies = 2 if dice.random() < impair.repeat else 1

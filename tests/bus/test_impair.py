@@ -2,6 +2,9 @@ from __future__ import annotations
 
 from collections import Counter
 
+import pytest
+
+from bus import impair
 from bus.impair import Fate, Impairments
 from bus.messages import Impair
 
@@ -55,3 +58,18 @@ def test_a_receiver_of_its_own_goes_before_everybody() -> None:
     assert impairments.fate("T1", "x") == Fate(now=0), "ended: what counts for everybody counts again"
     impairments.set(Impair("*"))
     assert impairments.fate("T1", "x") == Fate(now=1)
+
+
+def test_a_long_run_on_a_bad_link_does_not_eat_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(impair, "REMEMBERED", 100)
+    impairments = Impairments()
+    impairments.set(Impair(drop=0.5))
+    first = [impairments.fate("T1", "late").now for _ in range(3)]
+    for number in range(1000):
+        impairments.fate("T1", f"T2.1.{number}")
+        if number % 40 == 0:
+            first.append(impairments.fate("T1", "late").now)
+    assert len(impairments._sent) <= 100
+    whole = Impairments()
+    whole.set(Impair(drop=0.5))
+    assert first == [whole.fate("T1", "late").now for _ in first], "who is sent again and again is not forgotten"
