@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar
 import pytest
 
 from bus.memory_transport import MemoryRouter
+from bus.messages import Envelope, Observe, Observed
 from bus.node import Node, NodeConfig, open_node
 from bus.transport import Transport
 
@@ -111,6 +112,16 @@ class Threads:
         self.join()
 
 
+def serve(node: Node, seen: Collected[Envelope] | None = None) -> None:
+    """Answer everything that wants to look."""
+    for turn in node.turns():
+        for message in turn.mail:
+            if seen is not None:
+                seen.add(message)
+            if isinstance(message.body, Observe):
+                node.reply(message, Observed(message.body.team, {"seen": 1}))
+
+
 def free_endpoint() -> str:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -175,3 +186,11 @@ def threads() -> Iterator[Threads]:
     running = Threads()
     yield running
     running.close()
+
+
+@pytest.fixture
+def server(bus: Bus, threads: Threads) -> Node:
+    node = bus.node("server", outsider=True)
+    threads.stops.append(node.stop)
+    threads.start(serve, node)
+    return node
