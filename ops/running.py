@@ -122,6 +122,7 @@ def execute(scenario: Scenario, options: Options, show: Show) -> Outcome:
 def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | None, str, tuple[int, ...]]:
     """Start, wait, stop. The coordinator's last word, else why there is none, and all process ids that there were."""
     run = _Run(layout, show)
+    over: RunOver | None = None
     stopped, interrupted = "", False
     limits = compiled.scenario.limits
     with Supervisor(wall_s, run.said, limits.restarts) as boss, Seat(run.config(), run.ears(boss)) as seat:
@@ -139,8 +140,9 @@ def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | 
             seat.show("watching over the processes")
             until = partial(_over, run, limits.simulated_s)
             boss.until(until, limits.wall_s, "the coordinator's last word (limits.wall_s)")
-            if run.over is None:
+            if run.over is None or seat.now_s > limits.simulated_s:
                 raise TooLongError(f"not over after {limits.simulated_s:g} simulated seconds (limits.simulated_s)")
+            over = run.over  # what is said later, while all are being stopped, does not count
         except (GaveUpError, TooLongError) as error:
             stopped = str(error)
             run.needs_person("gave_up" if isinstance(error, GaveUpError) else "too_long", stopped)
@@ -157,7 +159,7 @@ def _conduct(layout: Layout, compiled: Compiled, show: Show) -> tuple[RunOver | 
             stopped = stopped or str(error)
     if interrupted:
         raise KeyboardInterrupt
-    return run.over, stopped, tuple(pid for child in boss.table.values() for pid in child.pids)
+    return over, stopped, tuple(pid for child in boss.table.values() for pid in child.pids)
 
 
 def _over(run: _Run, simulated_s: float) -> bool:

@@ -29,11 +29,17 @@ from reasoning.setup import sections
 _TRIGGERS = ("at_step", "at_s", "on_action")
 
 
+FASTEST = 1e6
+"""More simulated seconds in one of the wall than any machine can do."""
+SEEDS = 10**9
+"""A seed is less, and so nothing on its way to the processes has to care how large it is."""
+
+
 class Clock(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """``[clock]``: ``fast`` (time jumps, same seed same run) or ``realtime`` at `factor` times the wall's time."""
 
     mode: Literal["fast", "realtime"] = "fast"
-    factor: Positive = 1.0
+    factor: Annotated[float, msgspec.Meta(gt=0, le=FASTEST)] = 1.0
 
     def option(self) -> str:
         """As every process takes it on its command line."""
@@ -79,7 +85,7 @@ class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     story: Text
     domain: Name
     teams: dict[Name, Table]
-    seed: int = 0
+    seed: Annotated[int, msgspec.Meta(ge=0, lt=SEEDS)] = 0
     plan: str = ""
     clock: Clock = Clock()
     verdict: Verdict = Verdict()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from math import inf
 from pathlib import Path
 
 from ops.commands.common import has_screen
@@ -15,8 +16,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    if args.speed <= 0:
-        raise InputError(f"--speed {args.speed:g}: expected more than 0")
+    if not 0 < args.speed < inf:
+        raise InputError(f"--speed {args.speed:g}: expected a number, more than 0")
     if not has_screen():
         raise InputError("the dashboard needs a terminal")
     from ops.replay import replay

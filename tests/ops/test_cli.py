@@ -148,7 +148,11 @@ def test_compile_writes_the_files(capsys: pytest.CaptureFixture[str], tmp_path: 
         (["inject", "break", "T1.w1"], "nothing is running here"),
         (["watch"], "nothing is running here"),
         (["watch", "--connect", "tcp/127.0.0.1:1"], "say which run"),
-        (["replay", "/no/such", "--speed", "0"], "expected more than 0"),
+        (["replay", "/no/such", "--speed", "0"], "expected a number, more than 0"),
+        (["replay", "/no/such", "--speed", "nan"], "expected a number, more than 0"),
+        (["run", "factory/one_worker", "--clock", "realtime:inf"], "clock.factor: expected a number <= 1000000.0"),
+        (["run", "factory/one_worker", "--seed", "-1"], "seed: expected a whole number >= 0"),
+        (["run", "factory/one_worker", "--seed", str(10**20)], "seed: "),
         (["bench", "nothing"], "no benchmark 'nothing'"),
     ],
 )

@@ -133,6 +133,17 @@ def test_a_coordinator_that_never_ends_meets_the_limit(tmp_path: Path, monkeypat
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("limit_s", "reached"), [(3.0, False), (1000.0, True)])
+def test_what_is_done_after_the_limit_of_simulated_time_does_not_count(
+    tmp_path: Path, limit_s: float, reached: bool
+) -> None:
+    scenario = load("factory/two_loans", [f"limits.simulated_s={limit_s}"])
+    report = running.execute(scenario, Options(record=tmp_path / "kept"), Silence()).report
+    assert report.goal is reached
+    assert reached or report.reason == "not over after 3 simulated seconds (limits.simulated_s)"
+
+
+@pytest.mark.slow
 def test_a_process_that_keeps_dying_ends_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
