@@ -4,12 +4,13 @@ waits for ever, and who comes back is told in plain words."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from tests.agents.house import UNIT_S, Home
-from tests.agents.test_autonomous import NOVEL, RUG, TO_KITCHEN, kitchen, living, weigh
+from tests.agents.test_autonomous import NOVEL, RUG, TO_KITCHEN, kitchen, living, room, weigh
 from tests.agents.test_autonomous_kills import quick, thoughts
 
 __all__ = ["quick", "thoughts"]
@@ -73,6 +74,24 @@ def test_an_asker_that_comes_back_soon_keeps_its_helper(home: Home) -> None:
     home.contact("living", "back")
     assert home.end().goal, home.story()
     assert "helper_called" not in home.kinds()
+
+
+@pytest.mark.slow
+def test_the_time_until_a_robot_is_called_home_runs_from_the_loss_whoever_else_comes_and_goes(tmp_path: Path) -> None:
+    rooms = {
+        "living": living(RUG, NOVEL, **TO_KITCHEN),
+        "kitchen": kitchen(("mug_1", "mug", 2, 2)),
+        "bedroom": room("bedroom", [("r3", 0, 0)], []),
+    }
+    with closing(Home(tmp_path, rooms)) as home:
+        weigh(home, "rug", (3, 2))
+        home.until(lambda: "helper_came" in home.kinds())
+        home.contact("living", "lost_contact")
+        lost_s = home.now_s
+        home.until(lambda: home.now_s >= lost_s + 3 * UNIT_S)
+        home.contact("bedroom", "lost_contact")
+        home.until(lambda: "helper_called" in home.kinds())
+        assert home.now_s <= lost_s + 5 * UNIT_S
 
 
 @pytest.mark.parametrize("later_s", [0.0, 1.0, 4.0, 7.0, 12.0])
