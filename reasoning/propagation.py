@@ -26,7 +26,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from reasoning.lessons import Bodies, Key, Lesson, Lessons, Motion
-from reasoning.solver import PropagateControl, PropagateInit, Propagator, Term, solver_literals
+from reasoning.solver import PropagateControl, PropagateInit, Propagator, Term, program_literals
 
 
 class Names(NamedTuple):
@@ -47,14 +47,21 @@ class MotionPropagator(Propagator):
     def __init__(self, names: Names, lessons: Lessons) -> None:
         self._names, self._lessons = names, lessons
         self._added: set[tuple[int, Bodies, int]] = set()
+        self._grounded = -1
+        self._atoms: dict[str, list[Atom]] = {}
 
     # ---------------------------------------------------------------- called by the solver
     def init(self, init: PropagateInit) -> None:
         """Before each search: which literals there are, and what was learned before, as clauses."""
         names = self._names
-        self._at, self._goes = Table(init, names.at, 3), Table(init, names.goes, 3)
-        self._still = Table(init, names.still, names.keys + 1)
-        self._pair, self._longer = Table(init, names.pair, 3), Table(init, names.longer, 3)
+        if len(init.symbolic_atoms) != self._grounded:  # to read them takes longer than most searches do
+            self._grounded = len(init.symbolic_atoms)
+            arities = dict.fromkeys((names.at, names.goes, names.pair, names.longer), 3)
+            arities[names.still] = names.keys + 1
+            self._atoms = {name: _atoms(init, name, arity) for name, arity in arities.items() if name}
+        tables = (Table(init, self._atoms.get(name, ())) for name in (names.at, names.goes, names.still))
+        self._at, self._goes, self._still = tables
+        self._pair, self._longer = (Table(init, self._atoms.get(name, ())) for name in (names.pair, names.longer))
         self._watched: dict[int, list[tuple[Table, int, Key]]] = {}
         for table in (self._at, self._goes, self._still, self._pair):
             for literal, step, key in table.open():
@@ -164,23 +171,33 @@ class MotionPropagator(Propagator):
         return [] if told is None else [*clause, told]
 
 
+Atom = tuple[int, Key, int]
+"""Its step, its arguments before the step, and its literal in the program."""
+
+
+def _atoms(init: PropagateInit, name: str, arity: int) -> list[Atom]:
+    found = program_literals(init, name, arity)
+    return [(step, tuple(key), literal) for (*key, step), literal in found if isinstance(step, int)]
+
+
 class Table:
     """The atoms of a predicate: for each step, their arguments before the step and their literals."""
 
-    def __init__(self, init: PropagateInit, name: str, arity: int) -> None:
+    def __init__(self, init: PropagateInit, atoms: Iterable[Atom]) -> None:
         self.literals: dict[int, dict[Key, int]] = {}
         self.now: dict[int, set[Key]] = {}
         """Those that are true, and maybe some that were."""
         fixed = init.assignment
         self._open: list[tuple[int, int, Key]] = []
-        for (*key, step), literal in solver_literals(init, name, arity) if name else ():
-            if not isinstance(step, int) or fixed.is_false(literal):
+        for step, key, atom in atoms:
+            literal = init.solver_literal(atom)
+            if fixed.is_false(literal):
                 continue
-            self.literals.setdefault(step, {})[tuple(key)] = literal
+            self.literals.setdefault(step, {})[key] = literal
             if fixed.is_true(literal):
-                self.now.setdefault(step, set()).add(tuple(key))
+                self.now.setdefault(step, set()).add(key)
             else:
-                self._open.append((literal, step, tuple(key)))
+                self._open.append((literal, step, key))
 
     def open(self) -> list[tuple[int, int, Key]]:
         """Literal, step and arguments of those that are not decided before the search."""

@@ -211,10 +211,11 @@ class Program:
             raise SolverError(text) from failed
 
 
-def solver_literals(init: PropagateInit, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], int]]:
-    """The arguments of all atoms of a predicate that a propagator may meet, with their literals."""
+def program_literals(init: PropagateInit, name: str, arity: int) -> Iterator[tuple[tuple[Term, ...], int]]:
+    """The arguments of all atoms of a predicate that a propagator may meet, with their literals in the program, which
+    stay the same as long as nothing more is grounded."""
     for atom in init.symbolic_atoms.by_signature(name, arity):
-        yield _arguments(str(atom.symbol)), init.solver_literal(atom.literal)
+        yield _arguments(str(atom.symbol)), atom.literal
 
 
 @lru_cache(maxsize=1 << 18)

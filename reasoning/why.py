@@ -19,6 +19,9 @@ LEAST = 20_000
 """Conflicts that each search for a smaller clash may take in any case."""
 EFFORT = 3
 """Else so many times as many as the first refutation took."""
+SHARES = (64, 8, 1)
+"""What is cheap comes first: all members are tried to be left out with these shares of the effort, one after the
+other, and each time those that are in doubt still."""
 
 Clock = Callable[[], float]
 Progress = Callable[[str], None]
@@ -102,30 +105,36 @@ class _Search:
         if first.satisfiable is None:
             return Unknown(self._conflicts, self._clock() - self._began)
         self._each = max(LEAST, EFFORT * first.conflicts)
-        members, ways = self._shrink(program, _core(self._groups, first))
+        members, ways = _core(self._groups, first), dict[str, Model]()
+        for share in SHARES:
+            members = self._shrink(program, members, ways, self._each // share)
         members, without, checked = (members, ways, False) if self._over() else self._check(members, ways)
         return Clash(members, without, checked, self._searches, self._conflicts, self._clock() - self._began)
 
-    def _shrink(self, program: Program, members: tuple[str, ...]) -> tuple[tuple[str, ...], dict[str, Model]]:
-        """Leave out as many as possible, in their order: a quarter of them to begin with, then half as many where that
-        is too many, and twice as many where it went well. A way without one of many members is one of fewer too."""
-        at, size = 0, max(len(members) // 4, 1)
-        ways: dict[str, Model] = {}
-        while at < len(members) and not self._over():
-            size = min(size, len(members) - at)
-            self._tell(f"{len(members)} members clash, {at} of them are needed")
-            rest = members[:at] + members[at + size :]
-            solved = self._try(program, rest, self._each)
+    def _shrink(
+        self, program: Program, members: tuple[str, ...], ways: dict[str, Model], conflicts: int
+    ) -> tuple[str, ...]:
+        """Leave out as many as possible of those without a way, in their order: a quarter of them to begin with, then
+        half as many where that is too many, and twice as many where it went well. A way without one of many members is
+        one of fewer too, and is added to `ways`."""
+        doubtful = [member for member in members if member not in ways]
+        at, size = 0, max(len(doubtful) // 4, 1)
+        while at < len(doubtful) and not self._over():
+            size = min(size, len(doubtful) - at)
+            self._tell(f"{len(members)} members clash, {len(ways.keys() & members)} of them are needed")
+            left_out = doubtful[at : at + size]
+            rest = tuple(member for member in members if member not in left_out)
+            solved = self._try(program, rest, conflicts)
             if solved.satisfiable is False:
-                core = _core(rest, solved)
-                at = sum(member in core for member in members[:at])
-                members, size = core, size * 2
+                members, size = _core(rest, solved), size * 2
+                at = sum(member in members for member in doubtful[:at])
+                doubtful = [member for member in doubtful if member in members]
             elif size > 1:
                 size //= 2
             else:
-                ways |= {members[at]: solved.model} if solved.model is not None else {}
+                ways |= {doubtful[at]: solved.model} if solved.model is not None else {}
                 at += 1
-        return members, ways
+        return members
 
     def _check(
         self, members: tuple[str, ...], ways: dict[str, Model]
