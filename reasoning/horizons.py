@@ -89,7 +89,7 @@ def search(
         if best is not None:
             k = (low + best.makespan) // 2
         elif low > longest:
-            return Shared("unknown", 0, proven, {}, (), f"no shared plan of {low} to {longest} steps was found")
+            return Shared("unknown", 0, proven, {}, (), f"no shared plan of at most {count(longest, 'step')} was found")
         k = min(k, max(longest, low))
         horizon = judge(k)
         if horizon.questions:
