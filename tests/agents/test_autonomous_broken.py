@@ -34,6 +34,7 @@ def test_who_breaks_before_it_has_left_is_not_waited_for(home: Home, purpose: st
     assert {home.processes[team].lives for team in ("living", "kitchen")} == {1}
 
 
+@pytest.mark.slow
 def test_a_guest_that_breaks_is_given_back_as_it_is(home: Home) -> None:
     home.until(lambda: "helper_came" in home.kinds())
     home.world.robots["kitchen.r2"].broken = True

@@ -119,6 +119,7 @@ def test_why_an_action_was_not_possible(
     assert members(part) == {f"action({action})"} | expected
 
 
+@pytest.mark.slow
 def test_the_answer_for_people_is_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["why", PUBLISHED, "--team", "T4", "--step", "17", "--action", "attach(c1,w1)"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -25,6 +25,7 @@ def test_why_no_plan_however_long(capsys: pytest.CaptureFixture[str]) -> None:
     assert members(part) == {"stamped(1)", "start(stage(1),0)", "crew"}
 
 
+@pytest.mark.slow
 def test_why_an_action_was_not_possible(capsys: pytest.CaptureFixture[str]) -> None:
     (drained,) = ask(capsys, DRAINED, "--action", "move(w1,left)", "--step", "0")
     assert members(drained) == {"action(move(w1,left))", "robot(w1)", "start(battery(w1),1)", "rule(battery)"}

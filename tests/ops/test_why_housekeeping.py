@@ -36,6 +36,7 @@ def test_a_gap_that_is_too_narrow(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"  fact        bed stands in the room", "  fact        nightstand stands in the room"} <= set(lines)
 
 
+@pytest.mark.slow
 def test_a_way_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, BEDROOM, "--action", "goto(r1,1,2)", "--step", "0")
     assert members(part) == {"action(goto(r1,1,2))", "start(at(r1),(4,6))", *GAP}

@@ -131,6 +131,7 @@ def test_one_question_from_scratch() -> None:
     assert "".join(verdict[0] for verdict in latest) == "yyyyyyyyynnnn"
 
 
+@pytest.mark.slow
 def test_one_program_for_two_teams_finds_what_questions_and_answers_find() -> None:
     """T1 cannot do in 13 steps alone what T2 helps it with."""
     needy, helping = Start((3, 2), 2, (((1, 2), 1),), (1, 1)), Start((3, 2), 1, (((1, 2), 1), ((2, 2), 2)), (1, 1))

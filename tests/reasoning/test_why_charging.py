@@ -68,6 +68,7 @@ def test_an_action_that_was_not_possible(
     assert clash(not_possible(problem, action, others)) == {f"action({action})"} | expected
 
 
+@pytest.mark.slow
 def test_the_planner_says_the_same_of_drawn_steps() -> None:
     rng, possible_ones = random.Random(2), 0
     for _ in range(25):
