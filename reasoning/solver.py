@@ -84,10 +84,9 @@ def models(
     found: list[Model] = []
     with loaded.control.solve(yield_=True) as handle:
         for model in handle:
-            if optimum:
-                found = [_model(model)]
-            else:
-                found.append(_model(model))
+            if optimum:  # each is better than the one before it
+                found.clear()
+            found.append(_model(model))
     return found
 
 
