@@ -158,7 +158,7 @@ class Acting:
         actions = course.steps[now.at]
         if any(f"({GUEST}" in action for action in actions):
             if now.help.phase == "underway":
-                self.execute("enter", (), self.escort.entering())
+                self.escort.let_in()
             elif now.help.phase == "coming":
                 mind.show(f"waiting for the robot of {now.help.partner}")
             else:

@@ -42,7 +42,7 @@ class Escort:
                     self._execute("door", (f"{free}({robot})",), (SkillCall(free, (robot,)),))
                 return True
             case "underway" if not now.left:
-                self._execute("enter", (), self.entering())
+                self.let_in()
                 return True
             case "here" if now.resting:
                 self._send_out(now.help.name)
@@ -91,12 +91,38 @@ class Escort:
             return ()
         return (SkillCall(self.mind.words.enter, (help_.name,), {"robot": help_.robot}),)
 
+    def let_in(self) -> None:
+        """Wait for the robot that is on its way here, and leave it room at the door."""
+        if not self._clear_door(self.mind.memory.help.name):
+            self._execute("enter", (), self.entering())
+
+    def _clear_door(self, comer: str) -> bool:
+        """Have a robot step aside if no cell of the door is free of them for the one that comes, or wants to go out.
+        False if there is no need, or no place to go."""
+        mind, now, words = self.mind, self.mind.memory, self.mind.words
+        doors = words.doors(mind.static, now.state)[now.help.partner_room]
+        standing = {words.cell(now.state, robot): robot for robot in words.robots(now.state) if robot != comer}
+        if not set(doors) <= set(standing):
+            return False
+        robot, people = standing[doors[0]], recovering.people(words, now.state)
+        if (held := words.held(now.state, robot)) is not None and held[0] in words.heavy(now.state):
+            return False
+        at = mind.ways.nearest_cell(now.state, robot, {*standing, *doors, words.cell(now.state, comer)}, people)
+        if at is None:
+            return False
+        call = mind.ways.driving(now.state, robot, {robot: at}, people)
+        reason = f"it stands in the door to {now.help.partner_room}"
+        text = f"has {robot} step aside to ({at[0]},{at[1]}): {reason}"
+        mind.emit("made_way", text, step=now.step, robot=robot, reason=reason)
+        self._execute("aside", (recovering.term(call),), (call,))
+        return True
+
     def _fetch_home(self) -> None:
         mind, now = self.mind, self.mind.memory
         if now.help.name in now.broken:
             self._is_home()
         elif now.help.name not in mind.words.robots(now.state):
-            self._execute("enter", (), self.entering())
+            self.let_in()
         elif now.stood and recovering.written(mind.words.cell(now.state, now.help.name) or (-1, -1)) != now.stood:
             self._drive("home", now.help.name, [cell(now.stood)])
         else:
@@ -143,8 +169,8 @@ class Escort:
             return
         if purpose == "home":  # it stays where it is: somebody has taken its place
             self._is_home()
-            return
-        mind.wait(1)
+        elif not self._clear_door(robot):
+            mind.wait(1)
 
     # ------------------------------------------------------------ what came of it
     def executed(self, begun: Begun, before: State, felt: Mapping[str, str]) -> None:

@@ -172,7 +172,11 @@ class Rooms:
                 and comer.there_s <= self.now_s + 1e-9
                 and (not comer.called or call.name == "recall")
             ):
-                comer.team, comer.at, comer.called = team, self._door(team, comer.came_from), False
+                door = self._door(team, comer.came_from)
+                if any((r.team, r.at) == (team, door) for r in self.robots.values()):
+                    felt[str(call.args[0])] = "blocked"
+                    return
+                comer.team, comer.at, comer.called = team, door, False
             elif call.name == "recall" and comer.holds is not None:
                 comer.holds = None
             elif call.name == "recall" and comer.team not in ("bench", team):

@@ -214,3 +214,18 @@ def test_nobody_helps_who_could_not_let_a_helper_in(make: Make) -> None:
         ("kitchen", "no door leads from living_room to kitchen"),
         ("study", "it has no robot that can"),
     }
+
+
+def test_who_stands_in_the_door_steps_aside_for_a_helper(make: Make) -> None:
+    """The door is a cell wide, and nothing in their plans has them leave it: out, in, and home again."""
+    weak = {"light_weight": 1}
+    askers, helpers = (("r1", 0, 0), ("r3", 2, 0, weak)), (("r2", 1, 1), ("r4", 0, 3, weak))
+    home = make({"living": living(RUG, robots=askers, **TO_KITCHEN), "kitchen": kitchen(robots=helpers)})
+    weigh(home, "rug", (3, 2))
+    home.until(lambda: "helper_left" in home.kinds())
+    home.world.robots["living.r3"].at = (0, 3)
+    home.until(lambda: "helper_came" in home.kinds())
+    home.world.robots["kitchen.r4"].at = (0, 3)
+    assert home.end().goal
+    assert [home.kinds(team).count("made_way") for team in ("living", "kitchen")] == [1, 2]
+    assert "helper_returned" in home.kinds("kitchen")
