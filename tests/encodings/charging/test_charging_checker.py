@@ -8,7 +8,7 @@ from ops.compile import start
 from ops.scenario import load
 from reasoning.checker import Break, Exchange, check, examine
 from reasoning.domain import load as load_domain
-from tests.encodings.charging.teams import DOMAIN
+from tests.encodings.charging.teams import DOMAIN, RATE, team
 from tests.reasoning.spoiling import Spoiled
 
 SETUP = start(load("charging/two_drained"))
@@ -45,6 +45,16 @@ def test_a_charge_of_a_broken_charger_fails_and_fills_nothing() -> None:
     plan["T1"].append(("workOn(w1,2)",))
     result = examine(DOMAIN, SETUP.static, SETUP.states, plan, breaks=[Break("T1", "c1", 5)])
     assert (6, "battery") in [(v.step, v.rule) for v in result.violations]
+
+
+@pytest.mark.parametrize("battery", range(4))
+def test_a_charge_fills_up_to_the_capacity(battery: int) -> None:
+    problem, capacity = team([((1, 1), 1, battery)], docked="w1"), 5
+    moves = [(f"move(w1,{way})",) for way in ("right", "left") * 4]
+    plan = {"T1": [("charge(c1)",), ("undock(c1)",), *moves]}
+    found = check(DOMAIN, {**problem.static, "capacity": capacity}, {"T1": problem.state}, plan)
+    empty = min(violation.step for violation in found if violation.rule == "battery")
+    assert empty - 2 == min(battery + RATE, capacity) - 1, "the last unit is not to be used"
 
 
 SPOILED = [
