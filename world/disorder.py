@@ -36,7 +36,7 @@ def bring(truth: Truth, target: str, args: Args) -> str:
     team, _, name = target.partition(".")
     kind = next((k for k, v in truth.scene.kinds.items() if v.role == "object" and v.track == "floor"), None)
     if team not in truth.layout.spaces or kind is None or not fullmatch(WORD, name):
-        return f"nothing can be brought as {target}: TEAM.NAME, in a room"
+        return f"nothing can be brought as {target}: say ROOM.NAME, of {', '.join(truth.layout.spaces)}"
     if not fullmatch(WORD, str(args["what"])):
         return f"{args['what']} is no kind of things: a small letter, then letters, digits or _"
     if target in truth.things or truth.find(team, name) is not None:

@@ -27,7 +27,9 @@ def named(truth: Truth, target: str) -> Thing | None:
 def break_robot(truth: Truth, target: str, args: Args) -> Outcome:
     thing = named(truth, target)
     if thing is None or truth.kind(thing).role != "robot":
-        return f"there is no robot {target}"
+        robots = [one for _, things in truth.places() for one in things if truth.kind(one).role == "robot"]
+        names = sorted(one.id if one.place in (BENCH, GONE) else f"{one.place}.{one.name}" for one in robots)
+        return f"there is no robot {target}. There are: {', '.join(names)}"
     thing.broken = True
     return ""
 

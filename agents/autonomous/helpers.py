@@ -86,13 +86,13 @@ class Helpers:
         help_, answer = hearing.heard_call(mind.team, mind.memory.help, envelope.src, body, found.answer)
         if answer.yes and found.robot:
             help_ = helping.chosen(help_, f"{mind.team}.{found.robot}", found.robot)
-        says = "says yes" if answer.yes else f"says no: {answer.reason}"
-        what = "call for help" if body.kind == "want" else "offer of help"
+        what = ("call for help" if body.kind == "want" else "offer of help") + f" of {envelope.src}"
+        says = f"says yes to the {what}" if answer.yes else f"says no: {answer.reason} ({what})"
         with mind.node.journal.transaction():
             mind.keep(help=help_)
             mind.node.reply(envelope, answer)
             mind.emit(
-                "help_answered", f"{says} to the {what} of {envelope.src}",
+                "help_answered", says,
                 of=envelope.src, call=body.kind, yes=answer.yes, units=answer.units, reason=answer.reason,
             )  # fmt: skip
         self.tell()

@@ -109,7 +109,7 @@ def test_a_person_changes_an_object() -> None:
     ("kind", "target", "args", "reason"),
     [
         ("explode", "A.h1", {}, "unknown kind 'explode'. Supported: break, move,"),
-        ("break", "A.h9", {}, "there is no robot A.h9"),
+        ("break", "A.h9", {}, "there is no robot A.h9. There are: A.h1, A.h2, A.t1, B.h1"),
         ("break", "A.1", {}, "there is no robot A.1"),
         ("break", "A.h1", {"x": 1}, "break does not take x; it takes nothing"),
         ("move", "A.h1", {"x": 4, "y": 2}, "cell (4,2) is taken"),
