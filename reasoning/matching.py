@@ -20,7 +20,8 @@ def match(
     `lenders[team]` is the earliest step to give, `borrowers[team]` the latest step to take, `bench[robot]` the step
     from which a waiting robot can be taken, `delay` the steps of transport, of all or of each pair (lender,
     borrower); a pair without one cannot exchange. Uses as many robots of the bench as possible,
-    then lenders that can give early, and of those the first in `order`, or without one by name. Deterministic.
+    then lenders that can give early, and of those the first in `order`, or without one by name; of borrowers that
+    could exchange theirs, the first has the first. Deterministic.
     """
     bench = bench or {}
     if not borrowers:

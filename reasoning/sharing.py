@@ -93,9 +93,9 @@ def _match(
         if idle:  # offered to lend, but nobody needs it: what then?
             return Horizon(questions={name: Question("alone", k) for name in idle})
         return Horizon(shared=_shared(teams, k, bench, surely, lend, borrow))
-    # Of lenders of which nothing else is known those with least to do: one hard question to a team with much to do
-    # can take as long as the rest of the search.
-    order = sorted(lenders, key=lambda name: (teams[name].lower_bound, name))
+    # Of teams of which nothing else is known those with least to do: one hard question to a team with much to do can
+    # take as long as the rest of the search.
+    order = sorted(teams, key=lambda name: (teams[name].lower_bound, name))
     perhaps = match(
         {n: r.best for n, r in lend.items() if r.best <= k}, {n: r.best for n, r in borrow.items()}, delay, bench, order
     )
