@@ -108,6 +108,7 @@ def test_two_robots_of_the_room_carry_what_is_heavy(make: Make) -> None:
     assert "help_wanted" not in home.kinds()
 
 
+@pytest.mark.slow
 def test_what_is_heavy_comes_last_and_with_help(make: Make) -> None:
     home = make({"living": living(RUG, NOVEL, **TO_KITCHEN), "kitchen": kitchen(("mug_1", "mug", 2, 2))})
     weigh(home, "rug", (3, 2))
@@ -129,6 +130,7 @@ def test_without_anybody_to_help_the_rest_is_tidied(make: Make) -> None:
     assert home.world.things["novel_1"].at[0] == 5
 
 
+@pytest.mark.slow
 def test_two_teams_that_ask_each_other_help_each_other(make: Make) -> None:
     home = make({"living": living(RUG, **TO_KITCHEN), "kitchen": kitchen(("pot_1", "pot", 3, 1))})
     weigh(home, "rug", (3, 2))
@@ -216,6 +218,7 @@ def test_nobody_helps_who_could_not_let_a_helper_in(make: Make) -> None:
     }
 
 
+@pytest.mark.slow
 def test_who_stands_in_the_door_steps_aside_for_a_helper(make: Make) -> None:
     """The door is a cell wide, and nothing in their plans has them leave it: out, in, and home again."""
     weak = {"light_weight": 1}

@@ -64,6 +64,7 @@ def test_a_team_at_rest_that_was_late_is_in_time_after_all(make: Make) -> None:
     assert home.kinds("kitchen").count("team_finished") == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["coordinator", "kitchen"])
 def test_news_is_taken_in_once_whoever_dies_of_it(make: Make, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     taken: list[str] = []

@@ -66,6 +66,7 @@ def test_time_runs_at_its_factor_and_stands_until_all_are_there(memory_bus: Bus,
     assert [to_s for _, to_s in steps] == sorted(to_s for _, to_s in steps)
 
 
+@pytest.mark.slow
 def test_after_a_hold_up_time_catches_up_without_a_leap(memory_bus: Bus, threads: Threads) -> None:
     _, simulation, agent = start(memory_bus, threads, factor=1.0, hold_s=0.3)
     threads.start(lambda: list(agent.turns()))
@@ -74,6 +75,7 @@ def test_after_a_hold_up_time_catches_up_without_a_leap(memory_bus: Bus, threads
     assert (steps[-1][1] - steps[0][1]) / (steps[-1][0] - steps[0][0]) > 0.6, "it has caught up"
 
 
+@pytest.mark.slow
 def test_what_time_is_behind_too_much_is_given_up(
     memory_bus: Bus, threads: Threads, monkeypatch: pytest.MonkeyPatch
 ) -> None:

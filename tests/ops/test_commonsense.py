@@ -99,6 +99,7 @@ HOSTILE = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(hostile=st.lists(HOSTILE, max_size=8))
 def test_hostile_lines_never_become_anything_but_facts(
@@ -171,6 +172,7 @@ def test_what_cannot_be_built_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
         main(["commonsense", "build", str(source), "--threshold", "nan", "-o", "b.lp"])
 
 
+@pytest.mark.slow
 def test_a_bar_on_a_terminal(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("\n".join(LINES * 8_000))
     words = ["commonsense", "build", str(tmp_path / "a.csv"), "-o", str(tmp_path / "b.lp")]

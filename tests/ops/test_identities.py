@@ -112,6 +112,7 @@ def test_presence_and_the_latest_status_are_ones_own(join: Join) -> None:
     assert late.items == [(keys.status(RUN, "T1"), b"mine")]
 
 
+@pytest.mark.slow
 def test_strangers_are_not_let_in(endpoint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(CLIENT, "connect/timeout_ms", 1000)
     others = issue(tmp_path, RUN, ["127.0.0.1"], ["world"])

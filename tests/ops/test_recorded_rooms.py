@@ -18,6 +18,8 @@ from ops.recorded_rooms import AT_DOORS, BETWEEN, DISTURBED, LATE, UNFINISHED, U
 from ops.recording import Recording
 from tests.system.whole import ended
 
+pytestmark = pytest.mark.slow
+
 Data = dict[str, Any]
 
 
@@ -171,7 +173,6 @@ def test_conditions_on_a_plans_last_steps_are_not_judged(kitchen: Recording, hom
     assert judged(kitchen, home, **{"late(kitchen,0)": "(mug,3)"}) == Judged([], {LATE: 1})
 
 
-@pytest.mark.slow
 def test_guests_and_heavy_things_are_judged_by_the_rules(tmp_path: Path) -> None:
     """Two robots carry what is heavy, one of them a guest; alone neither may."""
     run = ended("housekeeping/both_ask", tmp_path, "--clock", "fast").recording

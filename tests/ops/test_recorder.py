@@ -154,6 +154,7 @@ def test_another_runs_recording_is_moved_aside(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["run.1.mcap~", "run.mcap", "run.mcap~"]
 
 
+@pytest.mark.slow
 def test_over_a_bus_that_loses_repeats_and_delays(tmp_path: Path) -> None:
     router = MemoryRouter(seed=3)
     router.mischief = Mischief(keyexpr="muster/*/event/**", drop=0.3, repeat=0.2, delay=0.2)
@@ -226,6 +227,7 @@ def start_recorder(endpoint: str, directory: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen([*command, "--home", str(directory / "home"), "--record", str(directory)])
 
 
+@pytest.mark.slow
 def test_kill_9_leaves_a_readable_file_and_the_next_recorder_goes_on(tmp_path: Path, endpoint: str) -> None:
     number = 0
 

@@ -52,6 +52,7 @@ def msgspec_like(expected: Recording, got: Recording) -> Recording:
     return Recording(**{**expected.__dict__, "summary": got.summary})
 
 
+@pytest.mark.slow
 def test_a_file_cut_off_anywhere_is_readable_up_to_there(tmp_path: Path) -> None:
     whole = tmp_path / "run.mcap"
     write(whole, SAID)

@@ -122,6 +122,7 @@ def test_a_fault_on_a_process_is_carried_out_and_told(tmp_path: Path, monkeypatc
     assert len(outcome.pids) == 1 + 1 + 1 + 1 + 2 + 1
 
 
+@pytest.mark.slow
 def test_a_coordinator_that_never_ends_meets_the_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     stand_ins(monkeypatch, "pass")
     scenario = load("factory/team_killed", ["limits.wall_s=2"])

@@ -85,6 +85,7 @@ def test_the_optimum_is_that_of_one_program_for_all_teams(name: str) -> None:
     assert (found.status, found.makespan) == ("optimal", joint(SHARED[name]))
 
 
+@pytest.mark.slow
 def test_the_published_scheme_is_never_better() -> None:
     helped = team(1, TOP), HELPER, HELPER
     found = {sharing: solve(scenario(*helped, sharing=sharing), lambda _: None) for sharing in ("published", "general")}
@@ -92,6 +93,7 @@ def test_the_published_scheme_is_never_better() -> None:
     assert found["general"].makespan <= found["published"].makespan
 
 
+@pytest.mark.slow
 def test_carriers_are_lent_too() -> None:
     lent = solve(SHARED["a carrier is lent"], lambda _: None)
     assert [(x["worker"], x["from"], x["to"], x["as"]) for x in lent.exchanges] == [("c1", "T2", "T1", "c1")]

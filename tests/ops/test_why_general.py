@@ -21,6 +21,8 @@ from reasoning.values import Question
 from reasoning.why import Clash, explain
 from tests.ops.test_why import ask, members
 
+pytestmark = pytest.mark.slow
+
 LENGTHS = {"two_loans": 11, "carrier_lent": 11, "given_back": 17}
 
 
@@ -40,7 +42,6 @@ def test_the_words_are_plain(capsys: pytest.CaptureFixture[str]) -> None:
     assert any(line.startswith("  team        T2 cannot finish in time giving a waxer by step ") for line in lines)
 
 
-@pytest.mark.slow
 def test_why_one_team_borrows_and_not_the_other(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, "factory/given_back", "--borrows", "T2", "--not", "T1")
     assert members(part) == {'may_not("T2",borrow)', 'refuted("T2","alone")'}
@@ -59,7 +60,6 @@ def test_why_no_team_could_do_it_alone(capsys: pytest.CaptureFixture[str]) -> No
     assert "every team might finish by itself" in capsys.readouterr().err
 
 
-@pytest.mark.slow
 def test_a_plan_is_asked_as_its_scenario_is(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["plan", "factory/two_loans", "--json"]) == 0
     file = tmp_path / "plan.json"

@@ -15,6 +15,8 @@ from ops.scenario import load
 from ops.whysubjects import subject_of
 from tests.ops.test_why import ask, members
 
+pytestmark = pytest.mark.slow
+
 BEDROOM = "housekeeping/bedroom"
 GAP = {"robot(r1)", "rule(no_way)", "solid(bed)", "solid(nightstand)"}
 SMALL = (
@@ -36,7 +38,6 @@ def test_a_gap_that_is_too_narrow(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"  fact        bed stands in the room", "  fact        nightstand stands in the room"} <= set(lines)
 
 
-@pytest.mark.slow
 def test_a_way_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, BEDROOM, "--action", "goto(r1,1,2)", "--step", "0")
     assert members(part) == {"action(goto(r1,1,2))", "start(at(r1),(4,6))", *GAP}
@@ -73,7 +74,6 @@ def test_rooms_are_asked_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert members(one) == members(bedroom)
 
 
-@pytest.mark.slow
 def test_the_living_room_as_published(capsys: pytest.CaptureFixture[str]) -> None:
     (part,) = ask(capsys, "housekeeping/living_room")
     assert members(part) == {

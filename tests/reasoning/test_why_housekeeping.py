@@ -126,6 +126,7 @@ def test_an_action_that_was_not_possible(
     assert clash(not_possible(start, action, others)) == {f"action({action})"} | expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["none", "static", "both"])
 def test_the_planner_says_the_same_of_drawn_actions(level: str) -> None:
     """Robots stand anywhere, also where they touch the furniture and no scenario may put them."""

@@ -100,6 +100,7 @@ def start(endpoint: str, home: Path, clock: str) -> subprocess.Popen[str]:
     return subprocess.Popen([sys.executable, "-m", "world", *options, "--setup", str(home / "world.json")], text=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("clock", "factor"), [("fast", 1.0), ("realtime:40", 40.0)])
 def test_a_world_that_is_killed_twice_ends_like_one_that_is_not(
     endpoint: str, tmp_path: Path, clock: str, factor: float

@@ -130,6 +130,7 @@ def fingerprint() -> str:
     return sha256(text.encode()).hexdigest()
 
 
+@pytest.mark.slow
 def test_a_world_is_the_same_to_the_last_bit_in_every_process() -> None:
     found = {fingerprint(), fingerprint()}
     for seed in ("1", "2"):
