@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from reasoning.domain import core_program
 from reasoning.solver import models
@@ -38,8 +39,14 @@ def match(
         for (giver, taker), steps in sorted(pairs.items())
         if giver in lenders and taker in borrowers
     ]
-    found = models([core_program("match")], facts, optimum=True)
-    if not found:
-        return None
+    found = _least(tuple(facts))
     named = list(numbers)
-    return {named[int(taker)]: named[int(giver)] for _, (taker, giver) in sorted(found[0].atoms)}
+    return None if found is None else {named[taker]: named[giver] for taker, giver in found}
+
+
+@lru_cache(maxsize=256)
+def _least(facts: tuple[str, ...]) -> tuple[tuple[int, int], ...] | None:
+    """Pairs (borrower, giver). A search looks at its horizons anew after every answer, and two of three matchings are
+    among those that it has seen before."""
+    found = models([core_program("match")], facts, optimum=True)
+    return tuple(sorted((int(taker), int(giver)) for _, (taker, giver) in found[0].atoms)) if found else None
