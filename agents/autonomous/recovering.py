@@ -49,8 +49,9 @@ PATIENCE_UNITS = 40
 """So long is waited for a person who stands in the way."""
 FACING_UNITS = 20
 """So long a robot stands in front of a person who does not go away, who may be waiting for it in turn; then it steps
-aside, and stays there for a while."""
+aside."""
 PASSING_UNITS = 6
+"""So long it stays aside."""
 MOST_GIVEN_WAY = 3
 """So often robots step aside for people."""
 HELD_UP_TIMES = 4

@@ -74,19 +74,24 @@ def test_two_robots_put_down_what_they_carry_where_both_can_stand() -> None:
     assert ways(SHELF).nearest_cells(between, "r1", "r2", (), ()) == {"r1": (1, 0), "r2": (2, 0)}
 
 
+ROOM = {
+    "room": "living_room",
+    "width": 6,
+    "height": 2,
+    "deposit": [5, 5, 0, 0],
+    "furniture": [{"name": "shelf", "corners": [[round(100 * x), round(100 * y)] for x, y in SHELF]}],
+}
+"""A corridor beside a shelf."""
+
+
 @pytest.fixture
 def corridor(tmp_path: Path) -> Iterator[Home]:
     """r1 stands in the corridor and cannot take the novel behind it, which r2 is to bring past it; plans never have r1
     go away by itself."""
-    shelf = {"name": "shelf", "corners": [[round(100 * x), round(100 * y)] for x, y in SHELF]}
     living = {
-        "room": "living_room",
-        "width": 6,
-        "height": 2,
-        "deposit": [5, 5, 0, 0],
+        **ROOM,
         "robots": [{"name": "r1", "at": [3, 0], "short_arm": 1}, {"name": "r2", "at": [0, 0]}],
         "things": [{"name": "novel", "kind": "novel", "at": [1, 0]}],
-        "furniture": [shelf],
         "never": [
             {"robot": "r1", "from": [3, 0], "to": to} for to in ([0, 0], [1, 0], [2, 0], [4, 0], [5, 0], [4, 1], [5, 1])
         ],
@@ -119,15 +124,10 @@ def test_who_has_no_way_to_any_cell_stays_and_the_run_ends_in_words(corridor: Ho
 @pytest.fixture
 def faced(tmp_path: Path) -> Iterator[Home]:
     """Only one robot, at the end of the corridor, and a person in it."""
-    shelf = {"name": "shelf", "corners": [[round(100 * x), round(100 * y)] for x, y in SHELF]}
     living = {
-        "room": "living_room",
-        "width": 6,
-        "height": 2,
-        "deposit": [5, 5, 0, 0],
+        **ROOM,
         "robots": [{"name": "r1", "at": [5, 0]}],
         "things": [{"name": "novel", "kind": "novel", "at": [0, 0]}],
-        "furniture": [shelf],
     }
     home = Home(tmp_path / "faced", {"living": living})
     home.world.persons["anna"] = ("living", (1, 0), math.inf)
